@@ -19,7 +19,7 @@ Error write_error(const fs::path& file, const std::string& doing, int code, cons
     return {Status::write_failed, file.string() + ": " + doing + ": " + std::strerror(code) + advice};
 }
 
-// Writes everything, then flushes and closes, whatever happens. Gives 0 or the errno of the first failure.
+// Writes all bytes, then flushes and closes, even after a failure. Returns 0, or the errno of the first failure.
 int write_flush_close(int descriptor, std::span<const std::byte> bytes) {
     int code = 0;
     while (!bytes.empty() && code == 0) {
@@ -29,15 +29,15 @@ int write_flush_close(int descriptor, std::span<const std::byte> bytes) {
         else if (errno != EINTR)
             code = errno;
     }
-    // Without this a power cut after the rename can leave an empty file under the final name. Pipes and
-    // devices cannot be flushed and say EINVAL.
+    // Without the flush, a power cut after the rename can leave an empty file under the final name. Pipes and devices
+    // cannot be flushed and give EINVAL.
     if (code == 0 && ::fsync(descriptor) != 0 && errno != EINVAL && errno != EROFS && errno != ENOTSUP) code = errno;
     if (::close(descriptor) != 0 && code == 0 && errno != EINTR) code = errno;
     return code;
 }
 
-// A name that no other call, thread or process uses. Short and independent of the target's, which may already
-// be as long as the file system allows.
+// A file name that no other call, thread or process uses. Short and independent of the target's name, which may already
+// have the maximum length of the file system.
 fs::path temporary_name(const fs::path& folder) {
     static std::atomic<uint32_t> counter = 0;
     return folder / (".brittle-" + std::to_string(::getpid()) + "-" + std::to_string(counter++) + ".tmp");
@@ -78,7 +78,7 @@ Result<void> write_file_atomically(const fs::path& file, std::span<const std::by
                            code == ENOENT ? "; make the folder first" : "");
     }
     if (exists) {
-        // Best effort: where the owner differs this is refused, and the content matters more.
+        // Best effort: the call fails where the owner differs, and the content matters more.
         [[maybe_unused]] const int ignored = ::fchmod(descriptor, old.st_mode & 07777);
     }
     int code = write_flush_close(descriptor, bytes);
@@ -88,8 +88,7 @@ Result<void> write_file_atomically(const fs::path& file, std::span<const std::by
         return write_error(file, "cannot write", code, exists ? "; the old file is unchanged" : "");
     }
 
-    // Makes the rename itself durable. The content is safe already, so a file system that cannot do it is no
-    // error.
+    // Makes the rename itself durable. A file system without support for it gives no error, since the content is safe.
     if (const int handle = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); handle >= 0) {
         [[maybe_unused]] const int ignored = ::fsync(handle);
         ::close(handle);

@@ -11,9 +11,9 @@
 namespace brittle::fracture {
 
 static_assert(std::endian::native == std::endian::little,
-              "binary mesh files are read and written as they lie in memory");
+              "binary mesh files are little-endian and are read and written without conversion");
 
-// The T at offset, at any alignment. The caller has checked that it lies inside.
+// Returns the T at the offset, at any alignment. The caller has checked that it lies inside `bytes`.
 template<class T>
 [[nodiscard]] T load(std::span<const std::byte> bytes, size_t offset) {
     assert(offset <= bytes.size() && sizeof(T) <= bytes.size() - offset);

@@ -10,14 +10,14 @@ namespace brittle::fracture {
 namespace {
 
 constexpr size_t max_notes = 30;
-constexpr size_t longest_name = 1000; // bytes, with its folders
+constexpr size_t max_name_length = 1000; // bytes, folders included
 
 } // namespace
 
 Result<std::span<const std::byte>> Companions::read(const std::string& name) {
-    // Names of files do not hold such letters, and messages would repeat them.
+    // File names have no control characters, and error messages would repeat them.
     const bool is_odd = std::any_of(name.begin(), name.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; });
-    if (is_odd || name.size() > longest_name)
+    if (is_odd || name.size() > max_name_length)
         return Error{Status::malformed_file, quoted(std::string_view(name)) + " is not the name of a file"};
     std::string slashed = name;
     std::replace(slashed.begin(), slashed.end(), '\\', '/');
@@ -43,7 +43,7 @@ std::string image_type(std::span<const std::byte> bytes) {
 }
 
 void add_note(std::vector<std::string>& notes, std::string note) {
-    if (notes.size() == max_notes) notes.emplace_back("and more of the kind");
+    if (notes.size() == max_notes) notes.emplace_back("further notes are omitted");
     if (notes.size() < max_notes) notes.push_back(std::move(note));
 }
 

@@ -1,4 +1,4 @@
-// The files that a mesh file names: materials, images, buffers.
+// Reads the files that a mesh file refers to: materials, images, buffers.
 #pragma once
 
 #include <cstddef>
@@ -15,20 +15,20 @@
 
 namespace brittle::fracture {
 
-// Opens files in the mesh file's folder and below only: a mesh from the network must not read what it likes. Each is
-// read once however often it is named, so a small file cannot unfold into much memory.
+// Opens files in the folder of the mesh file and below only, so that a mesh from the network cannot read other files.
+// Each file is read once, however often the mesh refers to it, so a small mesh file cannot take up much memory.
 class Companions {
   public:
-    // without_looks: the caller wants geometry only, so materials and images need not be looked for.
+    // without_looks: the caller needs geometry only, so materials and images are not read.
     explicit Companions(std::filesystem::path folder, bool without_looks = false)
         : folder_(std::move(folder)), without_looks_(without_looks) {}
 
     [[nodiscard]] bool wants_looks() const { return !without_looks_; }
 
-    // The content of the file of that name (a path with / or \). Valid as long as this object.
+    // Returns the content of the file with this name, a relative path with / or \. Valid as long as this object.
     Result<std::span<const std::byte>> read(const std::string& name);
 
-    // Bytes of all files read.
+    // The number of bytes in all files read so far.
     [[nodiscard]] uint64_t size() const { return size_; }
 
   private:
@@ -38,10 +38,10 @@ class Companions {
     std::map<std::filesystem::path, std::vector<std::byte>> files_;
 };
 
-// The MIME type that the first bytes tell: PNG, JPEG, WebP, KTX2; empty for anything else.
+// The MIME type of an image, from its first bytes: PNG, JPEG, WebP, KTX2; empty for anything else.
 [[nodiscard]] std::string image_type(std::span<const std::byte> bytes);
 
-// Appends a note for people, unless there are many already.
+// Appends a note, a sentence for the reader of a report. Ignores it where there are many already.
 void add_note(std::vector<std::string>& notes, std::string note);
 
 } // namespace brittle::fracture

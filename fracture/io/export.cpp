@@ -13,12 +13,12 @@ namespace brittle::fracture {
 
 namespace {
 
-constexpr double unit_slack = 1e-4; // of a quaternion's length: what comes from single precision
+constexpr double unit_slack = 1e-4; // of a quaternion's length: covers the rounding of single precision
 
 using Files = std::vector<std::filesystem::path>;
 using Writer = Result<std::vector<OutputFile>> (*)(const ExportJob&);
 
-// Null where the file's ending is not known.
+// Null for an unknown extension.
 Writer writer_of(const std::filesystem::path& file) {
     std::string ending = file.extension().string();
     std::transform(ending.begin(), ending.end(), ending.begin(),
@@ -35,11 +35,12 @@ Error unsupported(const std::filesystem::path& file) {
     std::string known;
     for (const std::string& one : exportable_extensions()) known += (known.empty() ? "" : ", ") + one;
     return Error{Status::unsupported_format,
-                 file.string() + ": " + (ending.empty() ? "the name has no ending" : ending + " files are not written")
+                 file.string() + ": "
+                     + (ending.empty() ? "the name has no extension" : ending + " files are not written")
                      + "; choose one of " + known};
 }
 
-// What is given for each piece must be there for each.
+// Checks that lists with one entry per piece are complete.
 Result<void> check_lists(const Fragments& fragments, const ExportOptions& options) {
     const auto wrong = [&](size_t count, const char* what) {
         return Error{Status::invalid_setting, "there are " + std::to_string(count) + " " + what + " for "
@@ -54,8 +55,8 @@ Result<void> check_lists(const Fragments& fragments, const ExportOptions& option
         const double sum = pose.position.x + pose.position.y + pose.position.z, length = glm::length(pose.orientation);
         if (!std::isfinite(sum) || !(std::abs(length - 1.0) < unit_slack))
             return Error{Status::invalid_setting, "the pose of piece " + std::to_string(p)
-                                                      + " is none: its position must be finite "
-                                                        "and its rotation a unit quaternion"};
+                                                      + " is invalid: its position must be finite "
+                                                        "and its orientation a unit quaternion"};
     }
     return {};
 }
@@ -91,7 +92,7 @@ glm::vec3 turned(const ExportJob& job, uint32_t piece, const glm::vec3& directio
                                      : glm::vec3(job.options.poses[piece].orientation * glm::dvec3(direction));
 }
 
-// Weathered stone outside; darker and warmer inside, so that a break is seen at once.
+// Weathered stone outside, darker and warmer inside, so that a break is visible at once.
 Material exterior_material(const ExportOptions& options) {
     return options.exterior.value_or(
         Material{.name = "exterior", .base_colour = {0.62, 0.60, 0.56, 1.0}, .roughness = 0.85});

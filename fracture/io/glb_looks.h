@@ -1,4 +1,5 @@
-// Materials, textures and images of a GLB file: those of the source one for one, then what Brittle adds.
+// Writes the materials, textures and images of a GLB file: those of the source with unchanged indices, then Brittle's
+// own.
 #pragma once
 
 #include <cstddef>
@@ -18,17 +19,18 @@ class GlbLooks {
   public:
     explicit GlbLooks(const ExportOptions& options);
 
-    // The index of the material that the part is drawn with.
+    // The index of the material of the part.
     [[nodiscard]] size_t material_of(const DrawnPart& part);
 
-    // Writes the lists. `add_view` puts the bytes of an image into the file and gives the number of its buffer view.
+    // Adds the lists to the document. `add_view` stores the bytes of an image in the file and returns the index of its
+    // buffer view.
     void add_to(nlohmann::ordered_json& document, std::set<std::string>& extensions_used,
                 const std::function<size_t(std::vector<std::byte>)>& add_view) const;
 
   private:
     const ExportOptions& options_;
     size_t source_materials_;
-    bool has_exterior_; // parts of the exterior may have none of the source's
+    bool has_exterior_; // some part of the exterior may have no source material
 };
 
 } // namespace brittle::fracture

@@ -6,9 +6,9 @@
 namespace brittle::fracture::gltf {
 namespace {
 
-constexpr int deepest_json = 64; // brackets; libraries recurse over them
+constexpr int max_json_depth = 64; // brackets; JSON libraries recurse over them
 
-// Elements of an accessor without data of its own, which are all zero: nothing is drawn of so many.
+// The maximum number of elements of an accessor without data, which are all zero.
 constexpr uint64_t max_empty_elements = 1'000'000;
 
 Result<std::vector<std::byte>> decode_base64(std::string_view text) {
@@ -31,7 +31,7 @@ Result<std::vector<std::byte>> decode_base64(std::string_view text) {
         else if (c == '=')
             break;
         else
-            return malformed("a data: URI holds a character that is not base64");
+            return malformed("a data: URI contains a character that is not base64");
         window = (window << 6 | static_cast<uint32_t>(digit)) & 0xffffff;
         bits += 6;
         if (bits < 8) continue;
@@ -57,24 +57,24 @@ std::string percent_decoded(const std::string& text) {
     return result;
 }
 
-// Sparse accessors are written out; several may show the same buffer view.
+// Limits on the memory of sparse accessors, which are expanded; several may use the same buffer view.
 constexpr uint64_t max_sparse_bytes = uint64_t{1} << 30;
-constexpr uint64_t free_sparse_bytes = uint64_t{16} << 20; // in a file of any size, and for each byte of it:
-constexpr uint64_t sparse_bytes_per_byte = 50;
+constexpr uint64_t free_sparse_bytes = uint64_t{16} << 20; // the limit for a small file,
+constexpr uint64_t sparse_bytes_per_byte = 50;             // which grows by this for each byte
 
 struct Container {
     Bytes json;
     Bytes binary;
 };
 
-// Section 4.4: a head of twelve bytes, then chunks of length, kind and content.
+// Section 4.4: a header of twelve bytes, then chunks of length, type and content.
 Result<Container> open_glb(Bytes bytes) {
     if (bytes.size() < 20) return malformed("a GLB file of " + std::to_string(bytes.size()) + " bytes was cut short");
     const auto version = load<uint32_t>(bytes, 4);
     const auto length = load<uint32_t>(bytes, 8);
     if (version != 2) return malformed("glTF version " + std::to_string(version) + "; only 2 is read, export it anew");
     if (length > bytes.size()) {
-        return malformed("its head promises " + std::to_string(length) + " bytes, but the file has "
+        return malformed("its header promises " + std::to_string(length) + " bytes, but the file has "
                          + std::to_string(bytes.size()) + "; it was cut short");
     }
     Container result;
@@ -131,8 +131,8 @@ Result<Document> Document::open(Bytes bytes, Companions& companions) {
     const char* const text = reinterpret_cast<const char*>(container.json.data());
     bool too_deep = false;
     const auto keep = [&](int depth, Json::parse_event_t, Json&) {
-        too_deep = too_deep || depth > deepest_json;
-        return depth <= deepest_json;
+        too_deep = too_deep || depth > max_json_depth;
+        return depth <= max_json_depth;
     };
     Json document = Json::parse(text, text + container.json.size(), keep, false);
     if (too_deep) return malformed("its JSON is nested over 64 levels deep");
@@ -185,7 +185,7 @@ Result<Accessor> Document::accessor(std::optional<uint64_t> index, std::string_v
         if (!bytes) return bytes.error();
         const Json& view = json_["bufferViews"][json["bufferView"].get<uint64_t>()];
         const std::optional<uint64_t> stride = unsigned_member(view, "byteStride", element_size);
-        // Strides are at most 252, so nothing below can overflow.
+        // Strides are at most 252, so the products below cannot overflow.
         if (!stride || *stride < element_size || *stride > 252) return malformed(name + " has a damaged byteStride");
         if (*offset > bytes->size() || (*count - 1) * *stride + element_size > bytes->size() - *offset) {
             return malformed(name + " has " + std::to_string(*count) + " elements, but its buffer view of "
@@ -204,7 +204,7 @@ Result<Accessor> Document::accessor(std::optional<uint64_t> index, std::string_v
     return result;
 }
 
-// Section 3.6.2.3: some elements take other values.
+// Section 3.6.2.3: replaces the values of some elements.
 Result<void> Document::apply_sparse(const Json& sparse, const std::string& name, uint64_t element_size,
                                     Accessor& accessor) {
     const Json *indices = member(sparse, "indices"), *values = member(sparse, "values");

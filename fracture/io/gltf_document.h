@@ -1,6 +1,6 @@
-// A glTF document: its JSON, and what its buffers hold. Behind read_gltf().
+// A glTF document: its JSON and the content of its buffers. Internal to read_gltf().
 //
-// The container and the JSON schema are those of the Khronos glTF 2.0 specification; section numbers are of it.
+// Container and JSON schema follow the Khronos glTF 2.0 specification; section numbers refer to it.
 #pragma once
 
 #include <algorithm>
@@ -25,22 +25,22 @@ namespace brittle::fracture::gltf {
 using Json = nlohmann::json;
 using Bytes = std::span<const std::byte>;
 
-// Nodes may show one mesh many times, so a small file could unfold into any number of vertices and triangles.
-inline constexpr uint64_t max_elements = 100'000'000; // vertices, and triangles
-inline constexpr uint64_t free_elements = 1'000'000;  // so many in a file of any size,
-inline constexpr uint64_t elements_per_byte = 50;     // and these for each byte of it; a mesh shown once has at most 1
+// Limits on the size of a scene: nodes may use one mesh many times, so a small file could give any number of vertices.
+inline constexpr uint64_t max_elements = 100'000'000; // the limit for vertices, and for triangles
+inline constexpr uint64_t free_elements = 1'000'000;  // the limit for a small file,
+inline constexpr uint64_t elements_per_byte = 50; // which grows by this for each byte; a mesh used once has at most 1
 
 [[nodiscard]] Error malformed(const std::string& what);
 [[nodiscard]] std::string name_of(const char* list, uint64_t index);
 
-// The member of that name; null where there is none or the value is no object.
+// The member with this name; null where there is none or the value is not an object.
 [[nodiscard]] const Json* member(const Json& object, const char* key);
 
-// A non-negative integer; fallback where the member is missing, nothing where it is something else.
+// A non-negative integer. The fallback where the member is missing, nothing where it has another type.
 [[nodiscard]] std::optional<uint64_t> unsigned_member(const Json& object, const char* key,
                                                       std::optional<uint64_t> fallback);
 
-// Exactly count numbers; the fallback where the member is missing, nothing where it is something else.
+// Exactly `count` numbers. The fallback where the member is missing, nothing where it has another type.
 template<size_t count>
 [[nodiscard]] std::optional<std::array<double, count>> numbers(const Json& object, const char* key,
                                                                std::array<double, count> fallback) {
@@ -81,7 +81,7 @@ struct Accessor {
         }
     }
 
-    // Bytes of a component; 0 for an unknown type.
+    // The number of bytes of a component; 0 for an unknown type.
     static uint64_t size_of(uint64_t component_type) {
         switch (component_type) {
         case 5120:
@@ -99,7 +99,7 @@ struct Accessor {
     }
 
   private:
-    // KHR_mesh_quantization: fixed point, with both -max - 1 and -max standing for -1.
+    // KHR_mesh_quantization: fixed point, where both -max - 1 and -max stand for -1.
     template<class T>
     [[nodiscard]] double scaled(T value) const {
         if (!normalized) return value;
@@ -109,20 +109,20 @@ struct Accessor {
 
 class Document {
   public:
-    // The bytes of a .gltf or .glb file, which outlive the document, as do the companions.
+    // Opens the bytes of a .gltf or .glb file. The bytes and the companions outlive the document.
     [[nodiscard]] static Result<Document> open(Bytes file, Companions& companions);
 
     [[nodiscard]] const Json& json() const { return json_; }
     [[nodiscard]] Companions& companions() const { return *companions_; }
-    // Bytes, of the file and of the files it names that were read so far.
+    // The number of bytes in the file and in the companion files read so far.
     [[nodiscard]] uint64_t size() const { return size_ + companions_->size(); }
 
-    // The element of a top-level list.
+    // The element of a top-level list with this index.
     [[nodiscard]] Result<const Json*> element(const char* list, std::optional<uint64_t> index) const;
     // An accessor of type SCALAR, VEC2, VEC3 or VEC4, with all its elements inside its buffer.
     [[nodiscard]] Result<Accessor> accessor(std::optional<uint64_t> index, std::string_view type);
     [[nodiscard]] Result<Bytes> bytes_of_view(const Json& view);
-    // From a data: URI or a file below the folder. Valid as long as the document.
+    // The bytes of a data: URI, or of a file in the folder or below. Valid as long as the document.
     [[nodiscard]] Result<Bytes> bytes_of_uri(const std::string& uri);
 
   private:
@@ -141,7 +141,7 @@ class Document {
     std::map<uint64_t, Bytes> buffers_;
     std::map<uint64_t, Accessor> sparse_;
     uint64_t sparse_bytes_ = 0;
-    std::deque<std::vector<std::byte>> decoded_; // what views of the above may show: data: URIs, sparse accessors
+    std::deque<std::vector<std::byte>> decoded_; // owns the bytes of data: URIs and sparse accessors
 };
 
 } // namespace brittle::fracture::gltf

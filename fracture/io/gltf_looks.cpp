@@ -7,7 +7,8 @@
 namespace brittle::fracture::gltf {
 namespace {
 
-// More than any scene has; each takes memory whatever the file says of it.
+// The maximum number of materials, textures and images: more than any scene has. Each takes memory, whatever its size
+// in the file.
 constexpr size_t max_entries = 100'000;
 
 const Json& list_of(const Json& document, const char* name) {
@@ -64,12 +65,12 @@ class LookReader {
         }
         image.mime_type = image_type(*bytes);
         if (image.mime_type.empty()) {
-            add_note(model_.notes, "image " + number + " is no PNG, JPEG, WebP or KTX2 image");
+            add_note(model_.notes, "image " + number + " is not a PNG, JPEG, WebP or KTX2 image");
             return image;
         }
         kept_ += bytes->size();
         if (kept_ > copies * document_.size()) {
-            add_note(model_.notes, "image " + number + ": the images show the same bytes too often");
+            add_note(model_.notes, "image " + number + ": left out, because the images use the same bytes too often");
             image.mime_type.clear();
             return image;
         }
@@ -122,7 +123,7 @@ class LookReader {
             material.base_colour_texture = use_of(*pbr, "baseColorTexture", nullptr);
             material.metallic_roughness_texture = use_of(*pbr, "metallicRoughnessTexture", nullptr);
         } else {
-            material.metallic = 1.0; // as if it were there and empty
+            material.metallic = 1.0; // the defaults of an empty object
         }
         if (const auto emissive = numbers<3>(json, "emissiveFactor", {0, 0, 0}))
             material.emissive = glm::clamp(glm::dvec3((*emissive)[0], (*emissive)[1], (*emissive)[2]), 0.0, 1.0);
@@ -141,7 +142,7 @@ class LookReader {
         return material;
     }
 
-    // Images may name the same file or overlapping views; together they take at most so many times what was read.
+    // Images may share a file or overlapping views. Together they take at most this many times the bytes read.
     static constexpr uint64_t copies = 4;
 
     Document& document_;

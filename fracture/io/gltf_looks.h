@@ -1,4 +1,4 @@
-// Materials, textures and images of a glTF document.
+// Reads the materials, textures and images of a glTF document.
 #pragma once
 
 #include "fracture/io/gltf_document.h"
@@ -6,8 +6,8 @@
 
 namespace brittle::fracture::gltf {
 
-// Indices of the document stay: materials, textures and images of the model are those of the file, one for one.
-// Whatever is wrong with them is a note.
+// Fills materials, textures and images of the model, with the indices of the document. A fault in one of them gives a
+// note, not an error.
 void read_looks(Document& document, Model& model);
 
 } // namespace brittle::fracture::gltf

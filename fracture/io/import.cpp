@@ -23,7 +23,7 @@ std::string lower_case_extension(const std::filesystem::path& file) {
 Error unsupported(const std::filesystem::path& file, const std::string& extension) {
     std::string readable;
     for (const std::string& known : importable_extensions()) readable += (readable.empty() ? "" : ", ") + known;
-    const std::string what = extension.empty() ? "the file name has no ending" : extension + " files are not read";
+    const std::string what = extension.empty() ? "the file name has no extension" : extension + " files are not read";
     return {Status::unsupported_format, file.string() + ": " + what + "; convert the mesh to one of " + readable};
 }
 
@@ -72,7 +72,7 @@ Result<Model> import_and_weld(const std::filesystem::path& file, bool with_looks
     return model;
 }
 
-// Our readers do not throw, but allocation and the JSON library do when memory runs out.
+// The readers do not throw, but allocation and the JSON library do when memory runs out.
 Result<Model> import(const std::filesystem::path& file, bool with_looks) {
     try {
         return import_and_weld(file, with_looks);
@@ -113,7 +113,7 @@ Result<Image> read_image(const std::filesystem::path& file) {
     if (!bytes) return bytes.error();
     Image image{file.stem().string(), image_type(*bytes)};
     if (image.mime_type.empty())
-        return Error{Status::unsupported_format, file.string() + ": this is no PNG, JPEG, WebP or KTX2 image"};
+        return Error{Status::unsupported_format, file.string() + ": not a PNG, JPEG, WebP or KTX2 image"};
     image.bytes = std::move(*bytes);
     return image;
 }

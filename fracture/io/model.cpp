@@ -9,10 +9,10 @@ namespace brittle::fracture {
 
 namespace {
 
-// In the place of a corner or triangle to take a look from.
+// The index of a corner or triangle without a source.
 constexpr uint32_t nothing_to_take = no_source;
 
-// A list stays empty until the first corner that has a value.
+// A list stays empty until the first corner with a value.
 template<class T>
 void put(std::vector<T>& list, size_t corner, const std::optional<T>& value, const T& nothing) {
     if (!value && list.empty()) return;
@@ -41,7 +41,7 @@ void rearrange_looks(Model& model, const std::vector<uint32_t>& corners, std::sp
     rearrange(model.material_of, triangles, no_material);
 }
 
-// Which corner of the old triangle each corner of the new one was: the assignment that moves them least.
+// Matches each corner of a new triangle with one of the old triangle: the assignment that moves them least.
 std::array<uint32_t, 3> match(const TriangleMesh& mesh, const Triangle& t, const TriangleMesh& old, const Triangle& o) {
     constexpr std::array<std::array<uint32_t, 3>, 6> orders = {
         {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}}};

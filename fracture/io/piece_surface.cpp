@@ -13,14 +13,14 @@
 namespace brittle::fracture {
 namespace {
 
-// Cosine of the angle between triangles that are in one plane.
+// The least cosine of the angle between the normals of triangles in one plane.
 constexpr double same_plane = 0.99999;
 
-// Triangles below this share of their longest side in height say nothing about their plane.
+// Triangles with a height below this share of their longest side have no reliable plane.
 constexpr double min_height = 1e-6;
 
-// The triangles begin .. end of a piece, by source and plane: each with the number of its plane. A source has one plane,
-// but where pieces have become one, which may have cuts along several bisectors with one neighbour.
+// Sorts the triangles begin .. end of a piece by source and plane, and numbers the planes of each source. A source has
+// one plane, except in merged pieces, which may have cuts along several bisectors with one neighbour.
 std::vector<std::array<uint32_t, 3>> by_plane(const Fragments& fragments, const Piece& piece, uint32_t begin,
                                               uint32_t end) {
     const auto positions = fragments.positions_of(piece);
@@ -29,7 +29,7 @@ std::vector<std::array<uint32_t, 3>> by_plane(const Fragments& fragments, const 
     for (uint32_t t = begin; t < end; ++t)
         order.push_back({fragments.triangle_source[piece.triangles.begin + t], 0, t});
     std::sort(order.begin(), order.end());
-    std::vector<glm::dvec3> planes; // of the source at hand
+    std::vector<glm::dvec3> planes; // of the current source
     for (size_t k = 0; k < order.size(); ++k) {
         if (k == 0 || order[k][0] != order[k - 1][0]) planes.clear();
         const Triangle& t = triangles[order[k][2]];
@@ -47,8 +47,8 @@ std::vector<std::array<uint32_t, 3>> by_plane(const Fragments& fragments, const 
     return order;
 }
 
-// The unit normal of triangles in one plane, from the sum of their area vectors: slivers weigh next to
-// nothing. +Y for triangles without area, as glTF wants unit length.
+// The unit normal of triangles in one plane, from the sum of their area vectors, in which slivers hardly count. +Y for
+// triangles without area, since glTF requires unit length.
 glm::vec3 normal_of(std::span<const glm::dvec3> positions, std::span<const Triangle> triangles,
                     std::span<const std::array<uint32_t, 3>> order) {
     glm::dvec3 sum{0.0};
@@ -56,20 +56,20 @@ glm::vec3 normal_of(std::span<const glm::dvec3> positions, std::span<const Trian
         const glm::dvec3& a = positions[triangles[t].x];
         sum += glm::cross(positions[triangles[t].y] - a, positions[triangles[t].z] - a);
     }
-    // Scaled first, because the squares of tiny areas would vanish.
+    // Scaled first, because the squares of tiny areas would underflow.
     const double largest = std::max({std::abs(sum.x), std::abs(sum.y), std::abs(sum.z)});
     if (!(largest > 0.0)) return {0.0f, 1.0f, 0.0f};
     return glm::vec3(glm::normalize(sum / largest));
 }
 
-// All that tells two corners apart.
+// The attributes of a corner, as a key.
 struct Corner {
     uint32_t vertex = 0;
     glm::vec3 normal{0.0f};
     std::array<glm::vec2, 2> uv{};
     glm::vec4 colour{1.0f};
 
-    // Bit by bit; +0 and -0 differ, which costs a vertex at most.
+    // Compares bytes. +0 and -0 differ, which costs an extra vertex at most.
     bool operator==(const Corner& other) const { return std::memcmp(this, &other, sizeof(Corner)) == 0; }
 };
 static_assert(sizeof(Corner) == 4 + 12 + 16 + 16, "no padding, because it is compared by bytes");
@@ -169,7 +169,7 @@ class PartBuilder {
             if (source_->normals.empty()) continue;
             const glm::vec3 normal = mix(source_->normals, k);
             const float length = glm::length(normal);
-            if (length > 1e-3f) corners[k].normal = normal / length; // opposite normals may cancel: flat
+            if (length > 1e-3f) corners[k].normal = normal / length; // opposite normals may cancel: flat shading
         }
         return corners;
     }
@@ -201,7 +201,7 @@ class PartBuilder {
     std::span<const glm::dvec3> sites_;
     bool uv_by_plane_;
     std::vector<DrawnPart> parts_;
-    std::unordered_map<Corner, uint32_t, HashCorner> known_; // of the part at hand
+    std::unordered_map<Corner, uint32_t, HashCorner> known_; // of the current part
 };
 
 } // namespace

@@ -8,9 +8,9 @@ namespace brittle::fracture {
 
 namespace {
 
-// Vertex tests granted to a file, about a nanosecond each: honest polygons need a dozen a corner.
+// The budget of vertex tests per file, at about a nanosecond each. Simple polygons need a dozen per corner.
 constexpr uint64_t free_tests = 100'000'000;
-constexpr uint64_t tests_a_corner = 100;
+constexpr uint64_t tests_per_corner = 100;
 
 } // namespace
 
@@ -23,11 +23,11 @@ std::optional<std::span<const Triangle>> PolygonSplitter::split(std::span<const 
         split_quad(positions, corners);
     else
         split_large(positions, corners);
-    if (tests_ > free_tests + tests_a_corner * corners_) return std::nullopt;
+    if (tests_ > free_tests + tests_per_corner * corners_) return std::nullopt;
     return triangles_;
 }
 
-// The first diagonal where both would do or the quad is folded.
+// Takes the first diagonal where both are possible or the quad is folded.
 void PolygonSplitter::split_quad(std::span<const glm::dvec3> positions, std::span<const uint32_t> corners) {
     const auto normal = [&](size_t a, size_t b, size_t c) {
         const glm::dvec3& origin = positions[corners[a]];
@@ -41,7 +41,7 @@ void PolygonSplitter::split_quad(std::span<const glm::dvec3> positions, std::spa
 }
 
 void PolygonSplitter::split_large(std::span<const glm::dvec3> positions, std::span<const uint32_t> corners) {
-    // Newell's normal: right for concave and slightly bent polygons too.
+    // Newell's normal, valid for concave and slightly bent polygons too.
     const glm::dvec3 origin = positions[corners[0]];
     glm::dvec3 normal{0.0};
     for (size_t k = 1; k + 1 < corners.size(); ++k)

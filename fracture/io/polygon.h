@@ -1,4 +1,4 @@
-// Polygons of files into triangles.
+// Splits the polygons of mesh files into triangles.
 #pragma once
 
 #include <cstddef>
@@ -13,17 +13,17 @@
 
 namespace brittle::fracture {
 
-// Triangulating takes quadratic time at worst, and no exporter writes polygons of this size.
+// The largest polygon accepted. Triangulation takes quadratic time at worst, and no exporter writes larger polygons.
 inline constexpr size_t max_polygon_corners = 4096;
 
-// Splits the polygons of one file.
+// Splits the polygons of one file, with a budget for all of them.
 class PolygonSplitter {
   public:
-    // The triangles of a polygon of 3 to max_polygon_corners corners, which index positions; each names three corners
-    // by their place in the polygon. Concave ones too: quads along the diagonal that gives two triangles on the same
-    // side, larger ones by triangulate() in their plane. Valid until the next call.
+    // Returns the triangles of a polygon of 3 to max_polygon_corners corners, which are indices into `positions`. A
+    // triangle holds places in `corners`. A quad is split along the diagonal with both triangles on the same side; a
+    // larger polygon, concave or not, is triangulated in its plane (triangulate()). Valid until the next call.
     //
-    // Nothing where the file's polygons are so tangled that all together take far longer than honest ones.
+    // Returns nothing where the polygons of the file cross themselves so often that the total time exceeds the budget.
     [[nodiscard]] std::optional<std::span<const Triangle>> split(std::span<const glm::dvec3> positions,
                                                                  std::span<const uint32_t> corners);
 
@@ -35,8 +35,8 @@ class PolygonSplitter {
     void split_large(std::span<const glm::dvec3> positions, std::span<const uint32_t> corners);
 
     std::vector<Triangle> triangles_;
-    uint64_t corners_ = 0; // of all large polygons
-    uint64_t tests_ = 0;   // Triangulation::vertex_tests of all
+    uint64_t corners_ = 0; // of all large polygons so far
+    uint64_t tests_ = 0;   // Triangulation::vertex_tests of all polygons so far
 };
 
 } // namespace brittle::fracture

@@ -7,12 +7,11 @@
 namespace brittle::fracture {
 namespace {
 
-// A file is a tree of chunks: two bytes of kind, four of length including this head, then content or
-// children.
+// A file is a tree of chunks: two bytes of type, four bytes of length including this header, then content or children.
 enum Kind : uint16_t {
     main_chunk = 0x4D4D,
     editor = 0x3D3D,
-    object = 0x4000, // a zero-terminated name before the children
+    object = 0x4000, // a zero-terminated name precedes the children
     triangle_mesh = 0x4100,
     vertex_list = 0x4110,
     face_list = 0x4120
@@ -33,7 +32,8 @@ class Reader3ds {
         if (bytes_.size() < head_size || load<uint16_t>(bytes_, 0) != main_chunk) {
             return Error{Status::malformed_file, "not a 3DS file: it does not start with the bytes 4D 4D"};
         }
-        // Where the main chunk's length disagrees with the file's, the file's counts: exporters get it wrong.
+        // Where the length of the main chunk differs from that of the file, the file decides: exporters write wrong
+        // lengths.
         const Result<void> done = for_each_chunk({main_chunk, head_size, bytes_.size()}, [&](const Chunk& part) {
             return part.kind == editor ? read_editor(part) : Result<void>();
         });
@@ -64,7 +64,8 @@ class Reader3ds {
             if (part.kind != object) return {};
             size_t begin = part.begin;
             while (begin < part.end && bytes_[begin] != std::byte{0}) ++begin;
-            if (begin == part.end) return malformed(part.kind, part.begin - head_size, "holds a name without an end");
+            if (begin == part.end)
+                return malformed(part.kind, part.begin - head_size, "has a name without a terminating zero");
             return for_each_chunk({part.kind, begin + 1, part.end}, [&](const Chunk& content) {
                 return content.kind == triangle_mesh ? read_mesh(content) : Result<void>();
             });
@@ -72,7 +73,7 @@ class Reader3ds {
     }
 
     Result<void> read_mesh(const Chunk& chunk) {
-        // The faces may come before the vertices that they name.
+        // The faces may precede the vertices that they refer to.
         Chunk vertices;
         Chunk faces;
         const Result<void> walked = for_each_chunk(chunk, [&](const Chunk& part) -> Result<void> {
@@ -109,7 +110,7 @@ class Reader3ds {
         return {};
     }
 
-    // The number of elements at the start of a list, once they are known to fit. 0 where there is no such
+    // Returns the number of elements at the start of a list, after checking that they fit. 0 where there is no such
     // chunk.
     Result<uint32_t> count_of(const Chunk& list, size_t element_size) const {
         if (list.kind == 0) return 0u;

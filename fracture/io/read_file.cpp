@@ -28,17 +28,17 @@ Error not_found(const std::filesystem::path& file, const std::string& reason) {
 } // namespace
 
 Result<std::vector<std::byte>> read_file(const std::filesystem::path& file) {
-    // Without O_NONBLOCK opening a pipe waits for its writer.
+    // Without O_NONBLOCK, opening a pipe waits for its writer.
     const Descriptor descriptor(::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
     if (descriptor.number < 0) return not_found(file, std::string("cannot open: ") + std::strerror(errno));
 
     struct stat info {};
     if (::fstat(descriptor.number, &info) != 0) return not_found(file, std::strerror(errno));
     if (S_ISDIR(info.st_mode)) return not_found(file, "is a folder; name a file in it");
-    if (!S_ISREG(info.st_mode)) return not_found(file, "is no regular file; copy it to one first");
+    if (!S_ISREG(info.st_mode)) return not_found(file, "is not a regular file; copy it to one first");
     const auto size = static_cast<uint64_t>(info.st_size);
     if (size == 0) return Error{Status::malformed_file, file.string() + ": the file is empty (0 bytes)"};
-    if (size >= largest_file) {
+    if (size >= max_file_size) {
         return Error{Status::malformed_file, file.string() + ": the file has " + std::to_string(size)
                                                  + " bytes; files of 4 GiB and more are not read, simplify the mesh"};
     }

@@ -15,9 +15,9 @@ namespace brittle::fracture {
 namespace gltf {
 namespace {
 
-// Of one primitive.
+// The attributes of the vertices of one primitive.
 struct Vertices {
-    uint32_t base; // the mesh's index of the first
+    uint32_t base; // the index of the first one in the mesh
     const glm::dmat4& world;
     const Accessor& positions;
     std::array<std::optional<Accessor>, 2> uv{};
@@ -40,7 +40,7 @@ class GltfReader {
     }
 
   private:
-    // A required extension may change what geometry means; only those that cannot are let through.
+    // A required extension may change the meaning of geometry. Only extensions that cannot are accepted.
     Result<void> check_extensions() const {
         const Json* required = member(document_.json(), "extensionsRequired");
         if (required == nullptr) return {};
@@ -65,7 +65,7 @@ class GltfReader {
             if (!scene) return scene.error();
             return indices_of(**scene, "nodes");
         }
-        // Without a scene: all nodes that are no one's child.
+        // Without a scene: all nodes that are not a child.
         std::vector<bool> is_child(count, false);
         for (size_t n = 0; n < count; ++n) {
             const Result<std::vector<uint64_t>> children = indices_of((*nodes)[n], "children");
@@ -86,13 +86,14 @@ class GltfReader {
         const Json* values = member(object, key);
         if (values == nullptr) return result;
         for (const Json& value : *values) {
-            if (!value.is_number_unsigned()) return malformed(std::string(key) + " holds something else than indices");
+            if (!value.is_number_unsigned())
+                return malformed(std::string(key) + " contains a value that is not an index");
             result.push_back(value.get<uint64_t>());
         }
         return result;
     }
 
-    // Depth first, in the order of the file, without recursion: chains of nodes can be as long as the file.
+    // Visits nodes depth first, in file order, without recursion: chains of nodes can be as long as the file.
     Result<void> read_nodes(const std::vector<uint64_t>& roots) {
         struct Visit {
             uint64_t node;
@@ -162,7 +163,7 @@ class GltfReader {
 
     Result<void> read_primitive(const Json& primitive, const glm::dmat4& world) {
         const std::optional<uint64_t> mode = unsigned_member(primitive, "mode", 4);
-        if (!mode || *mode > 6) return malformed("its mode is none of 0 to 6");
+        if (!mode || *mode > 6) return malformed("its mode is not one of 0 to 6");
         const Json* attributes = member(primitive, "attributes");
         if (*mode < 4 || attributes == nullptr || member(*attributes, "POSITION") == nullptr) return {};
 
@@ -193,7 +194,7 @@ class GltfReader {
         const uint64_t most = std::min(max_elements, free_elements + elements_per_byte * document_.size());
         if (model_.mesh.positions.size() + positions->count > most
             || model_.mesh.triangles.size() + corners.size() > most) {
-            return malformed("with it the file's nodes show over " + std::to_string(most)
+            return malformed("with it the nodes of the file show over " + std::to_string(most)
                              + " vertices or triangles, the limit for a file of its size; simplify the mesh");
         }
         Vertices vertices{static_cast<uint32_t>(model_.mesh.positions.size()), world, *positions};
@@ -206,7 +207,7 @@ class GltfReader {
         return append(vertices, corners, *mode, material);
     }
 
-    // Whatever is wrong with looks is left out.
+    // Faulty attributes are omitted, with a note.
     void read_vertex_looks(const Json& attributes, Vertices& vertices) {
         const auto find = [&](const char* name,
                               std::initializer_list<std::string_view> types) -> std::optional<Accessor> {
@@ -233,7 +234,7 @@ class GltfReader {
                                    vertices.positions.component(v, 2), 1.0);
             model_.mesh.positions.emplace_back(vertices.world * local);
         }
-        // A mirroring transform turns every triangle inside out; section 3.7.4.
+        // A mirroring transform turns every triangle inside out (section 3.7.4).
         const bool mirrored = glm::determinant(glm::dmat3(vertices.world)) < 0.0;
         const glm::dmat3 of_normals = normal_matrix(vertices.world);
         const auto add = [&](size_t a, size_t b, size_t c) {
@@ -247,7 +248,7 @@ class GltfReader {
         if (mode == 4) {
             if (corners.size() % 3 != 0) {
                 return malformed("it has " + std::to_string(corners.size())
-                                 + " corners, which is no multiple of three");
+                                 + " corners, which is not a multiple of three");
             }
             for (size_t k = 0; k < corners.size(); k += 3) add(k, k + 1, k + 2);
         } else {
@@ -255,13 +256,13 @@ class GltfReader {
                 if (mode == 6)
                     add(0, k + 1, k + 2); // a fan
                 else
-                    add(k, k + 1 + k % 2, k + 2 - k % 2); // a strip turns at every step
+                    add(k, k + 1 + k % 2, k + 2 - k % 2); // a strip alternates its orientation
             }
         }
         return {};
     }
 
-    // The cofactors: the inverse transpose up to a factor, and defined for flattening transforms too. A mirrored normal
+    // The cofactors: the inverse transpose up to a factor, defined for singular transforms too. A mirrored normal
     // points out of the turned triangle.
     static glm::dmat3 normal_matrix(const glm::dmat4& world) {
         const glm::dmat3 m(world);

@@ -8,7 +8,7 @@
 namespace brittle::fracture {
 namespace {
 
-// Whatever is wrong with a material is a note, never an error: the mesh is worth more.
+// A fault in a material gives a note, never an error: the mesh matters more.
 class MtlReader {
   public:
     MtlReader(std::string_view text, Companions& companions, Model& model)
@@ -28,7 +28,7 @@ class MtlReader {
     }
 
   private:
-    // Colours are taken as linear, as the modelling programs that write them do.
+    // Colours are linear, the convention of the modelling programs that write them.
     void read_property(std::string_view keyword, Material& material) {
         if (keyword == "Kd") {
             const glm::dvec3 colour = read_colour();
@@ -39,7 +39,7 @@ class MtlReader {
             material.base_colour.w = read_share(material.base_colour.w);
         } else if (keyword == "Tr") {
             material.base_colour.w = 1.0 - read_share(1.0 - material.base_colour.w);
-        } else if (keyword == "Ns") { // a Phong exponent, as the lobe of a microfacet distribution as wide
+        } else if (keyword == "Ns") { // a Phong exponent; converted to the roughness of a lobe of equal width
             const double exponent = std::clamp(parse_number(cursor_.token()).value_or(0.0), 0.0, 1e6);
             material.roughness = std::sqrt(2.0 / (exponent + 2.0));
         } else if (keyword == "Pr") {
@@ -68,7 +68,7 @@ class MtlReader {
         return colour;
     }
 
-    // Options come before the name, each a word with a dash and its values; the name may hold blanks.
+    // Options precede the name, each a word with a dash and its values. The name may contain blanks.
     std::optional<TextureUse> read_texture() {
         std::string_view name = cursor_.rest_of_line();
         double strength = 1.0;
@@ -83,7 +83,7 @@ class MtlReader {
             name = words.rest_of_line();
             if (option == "-bm") strength = parse_number(TextCursor(name).token()).value_or(1.0);
             for (size_t k = 0; k < most; ++k) {
-                if (k > 0 && !parse_number(TextCursor(name).token())) break; // the second and third may be missing
+                if (k > 0 && !parse_number(TextCursor(name).token())) break; // the second and third value are optional
                 name = next();
             }
         }
@@ -94,7 +94,7 @@ class MtlReader {
             const std::string type = bytes ? image_type(*bytes) : std::string();
             if (type.empty()) {
                 add_note(model_.notes, "texture: "
-                                           + (bytes ? quoted(name) + " is no PNG or JPEG image, so it is left behind"
+                                           + (bytes ? quoted(name) + " is not a PNG or JPEG image and is left out"
                                                     : bytes.error().message));
                 texture_named_.erase(known);
                 return std::nullopt;
@@ -113,7 +113,7 @@ class MtlReader {
     Companions& companions_;
     Model& model_;
     std::map<std::string, uint32_t, std::less<>> texture_named_;
-    std::map<const std::byte*, uint32_t> image_at_; // one file has many names: a.png, ./a.png
+    std::map<const std::byte*, uint32_t> image_at_; // by content: a file can have several names, a.png and ./a.png
     bool has_material_ = false;
 };
 

@@ -38,7 +38,7 @@ class ObjReader {
 
   private:
     struct Corner {
-        uint32_t vertex, uv, normal; // none where it has none
+        uint32_t vertex, uv, normal; // none where the corner has none
     };
     struct Face {
         uint32_t corners;
@@ -57,7 +57,7 @@ class ObjReader {
         if (!companions_.wants_looks()) return {};
         if (keyword == "vt") {
             const auto at = numbers<2>();
-            uv_.emplace_back(at[0], 1.0f - at[1]); // v goes up here
+            uv_.emplace_back(at[0], 1.0f - at[1]); // v points up in OBJ
         } else if (keyword == "vn") {
             const auto n = numbers<3>();
             normals_.emplace_back(n[0], n[1], n[2]);
@@ -86,7 +86,7 @@ class ObjReader {
         return {};
     }
 
-    // Three more numbers are a colour; one is a weight.
+    // Three more numbers are a colour; one more is a weight.
     void read_colour() {
         glm::dvec4 colour(1.0);
         for (int k = 0; k < 3; ++k) {
@@ -98,7 +98,7 @@ class ObjReader {
         colours_.emplace_back(colour);
     }
 
-    // The next numbers of the line, zeros for those that are missing or none.
+    // The next numbers of the line, with zeros for missing and invalid ones.
     template<size_t count>
     std::array<float, count> numbers() {
         std::array<float, count> result{};
@@ -109,7 +109,7 @@ class ObjReader {
         return result;
     }
 
-    // Faces may name vertices that come later in the file, so the upper end is checked when all are known.
+    // Faces may refer to later vertices, so the upper limit is checked at the end.
     Result<void> read_face() {
         const size_t begin = corners_.size();
         for (std::string_view token = cursor_.token(); !token.empty(); token = cursor_.token()) {
@@ -141,7 +141,7 @@ class ObjReader {
         return {};
     }
 
-    // Counted from 1, or backwards from the last one known. Moves `at` behind what it read.
+    // An index counts from 1, or backwards from the last vertex so far. Moves `at` behind the index.
     static std::optional<uint32_t> index(const char*& at, const char* end, size_t known) {
         int64_t value = 0;
         const auto [stop, code] = std::from_chars(at, end, value);
@@ -155,12 +155,12 @@ class ObjReader {
     void read_materials(std::string_view name) {
         const auto text = companions_.read(std::string(name));
         if (!text) return add_note(model_.notes, "materials: " + text.error().message);
-        if (!libraries_.emplace(text->data()).second) return; // once is enough, whatever name it is given
+        if (!libraries_.emplace(text->data()).second) return; // a library is read once, under any name
         read_mtl({reinterpret_cast<const char*>(text->data()), text->size()}, companions_, model_);
         for (uint32_t m = 0; m < model_.materials.size(); ++m) material_named_.emplace(model_.materials[m].name, m);
     }
 
-    // One that no library holds is still told apart from others.
+    // A material without a library entry still differs from the others.
     void use_material(const std::string& name) {
         const auto known = material_named_.find(name);
         if (known != material_named_.end()) {
@@ -215,7 +215,7 @@ class ObjReader {
     std::vector<Face> faces_;
     std::vector<glm::vec2> uv_;
     std::vector<glm::vec3> normals_;
-    std::vector<glm::vec4> colours_; // of vertices
+    std::vector<glm::vec4> colours_; // per vertex
     std::map<std::string, uint32_t> material_named_;
     std::set<const std::byte*> libraries_;
     uint32_t material_ = no_material;

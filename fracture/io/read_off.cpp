@@ -13,7 +13,7 @@
 namespace brittle::fracture {
 namespace {
 
-// Numbers are separated by blanks and line ends alike; `#` starts a comment.
+// Blanks and line ends separate numbers; `#` starts a comment.
 class OffReader {
   public:
     explicit OffReader(std::string_view text) : cursor_(text), size_(text.size()) {}
@@ -27,7 +27,7 @@ class OffReader {
         uint64_t vertices = 0, faces = 0, edges = 0;
         for (uint64_t* count : {&vertices, &faces, &edges}) {
             const auto number = whole(next());
-            // A vertex or face takes two bytes of text at the least.
+            // A vertex or face takes at least two bytes of text.
             if (!number || *number > size_)
                 return malformed("three counts are expected: vertices, faces and edges, none of more than the file has "
                                  "room for");
@@ -49,7 +49,7 @@ class OffReader {
         return {Status::malformed_file, "line " + std::to_string(cursor_.line()) + ": " + what};
     }
 
-    // The next token that is no comment, of this line or a later one.
+    // Returns the next token outside comments, of this line or a later one.
     std::string_view next() {
         std::string_view token = cursor_.token_of_any_line();
         while (!token.empty() && token.front() == '#') {
@@ -81,7 +81,7 @@ class OffReader {
         return {};
     }
 
-    // Normals and colours, as far as they are there.
+    // Reads normals and colours, as far as present.
     CornerLook read_look() {
         CornerLook look;
         if (has_normals_) {
@@ -92,11 +92,11 @@ class OffReader {
         }
         if (!has_colours_) return look;
         glm::dvec4 colour(1.0);
-        bool is_whole = true; // 0 to 255, else 0.0 to 1.0
+        bool is_whole = true; // integers from 0 to 255, otherwise 0.0 to 1.0
         for (int k = 0; k < 4; ++k) {
             const std::string_view token = cursor_.token();
             const std::optional<double> value = parse_number(token);
-            if (!value && k == 3) { // opacity may be missing
+            if (!value && k == 3) { // opacity is optional
                 colour.w = is_whole ? 255.0 : 1.0;
                 break;
             }
@@ -137,7 +137,7 @@ class OffReader {
     size_t size_;
     bool has_colours_ = false, has_normals_ = false;
     Model model_;
-    std::vector<CornerLook> looks_; // of vertices
+    std::vector<CornerLook> looks_; // per vertex
     PolygonSplitter splitter_;
     std::vector<uint32_t> corners_;
 };

@@ -45,7 +45,7 @@ constexpr size_t max_textures = 1000;
 struct Property {
     std::string name;
     Type type = Type::float32;
-    std::optional<Type> count; // of a list
+    std::optional<Type> count; // type of the count of a list; none for a scalar
 };
 
 struct Element {
@@ -54,7 +54,7 @@ struct Element {
     std::vector<Property> properties;
 };
 
-// Numbers one after the other, in any of the three encodings. After the end everything is 0 and `ended` is set.
+// Reads a sequence of numbers in any of the three encodings. After the end every number is 0 and `ended` is set.
 class Numbers {
   public:
     Numbers(std::span<const std::byte> bytes, Encoding encoding, size_t first_line)
@@ -82,14 +82,14 @@ class Numbers {
         return value(raw, type);
     }
 
-    // Where it is, for messages.
+    // The current place, for messages.
     [[nodiscard]] std::string place(size_t header_size) const {
         return encoding_ == Encoding::text ? "line " + std::to_string(first_line_ + cursor_.line() - 1)
                                            : "byte " + std::to_string(header_size + at_);
     }
 
     bool ended = false;
-    std::string bad; // the first token that is no number
+    std::string bad; // the first token that is not a number
 
   private:
     static double value(const std::array<std::byte, 8>& raw, Type type) {
@@ -121,7 +121,7 @@ class Numbers {
     size_t first_line_;
 };
 
-// The properties of a vertex beyond its place.
+// Reads the properties of a vertex besides its position.
 class VertexLook {
   public:
     void set(const Property& property, double value) {
@@ -149,7 +149,7 @@ class VertexLook {
         const double length = glm::length(normal_);
         if (has_normal_ && length > 0.0) look.normal = glm::vec3(normal_ / length);
         if (has_colour_) look.colour = glm::vec4(colour_);
-        if (has_uv_) look.uv[0] = glm::vec2(uv_[0], 1.0 - uv_[1]); // v goes up here
+        if (has_uv_) look.uv[0] = glm::vec2(uv_[0], 1.0 - uv_[1]); // v points up in PLY
         return look;
     }
 
@@ -179,7 +179,7 @@ class PlyReader {
         return {Status::malformed_file, where + ": " + what};
     }
 
-    // One line of the header, without its end; nothing where the file ends first.
+    // Returns one line of the header, without its end; nothing at the end of the file.
     std::optional<std::string_view> header_line() {
         const std::string_view text(reinterpret_cast<const char*>(bytes_.data()), bytes_.size());
         const size_t end = text.find('\n', header_size_);
@@ -220,7 +220,7 @@ class PlyReader {
             } else if (word == "element") {
                 Element element{std::string(cursor.token()), 0, {}};
                 const std::optional<double> count = parse_number(cursor.token());
-                if (!count || !(*count >= 0.0) || *count > 4e9) return wrong("no count of elements");
+                if (!count || !(*count >= 0.0) || *count > 4e9) return wrong("an invalid count of elements");
                 element.count = static_cast<uint64_t>(*count);
                 elements_.push_back(std::move(element));
             } else if (word == "property") {
@@ -230,7 +230,7 @@ class PlyReader {
                 elements_.back().properties.push_back(std::move(*property));
             }
         }
-        if (!has_format) return malformed("line " + std::to_string(header_lines_), "the header names no format");
+        if (!has_format) return malformed("line " + std::to_string(header_lines_), "the header has no format");
         return {};
     }
 
@@ -296,7 +296,7 @@ class PlyReader {
         const bool is_face =
             element.name == "face" && (property.name == "vertex_indices" || property.name == "vertex_index");
         const bool is_uv = element.name == "face" && property.name == "texcoord" && companions_.wants_looks();
-        // A face may have more than one such list.
+        // A face may have several lists.
         const bool is_too_long = count + static_cast<double>(corners_.size()) > max_polygon_corners;
         if (!(count >= 0.0) || (is_face && (count < 3.0 || is_too_long)))
             return numbers.ended
@@ -320,7 +320,7 @@ class PlyReader {
         return {};
     }
 
-    // False where the file's polygons are too tangled.
+    // Returns false where the polygons of the file cross themselves too often.
     bool append_face() {
         const auto triangles = splitter_.split(model_.mesh.positions, corners_);
         if (!triangles) return false;
@@ -341,18 +341,19 @@ class PlyReader {
         return true;
     }
 
-    // One material for each texture that a comment names, as MeshLab writes it.
+    // Adds one material for each texture in a comment, the convention of MeshLab.
     void read_textures() {
         if (texture_files_.size() > max_textures) texture_files_.resize(max_textures);
-        std::map<const std::byte*, uint32_t> image_at; // the same file may be named again
+        std::map<const std::byte*, uint32_t> image_at; // by content: a file may occur again
         for (const std::string& name : texture_files_) {
             Material material{.name = name};
             const auto bytes = companions_.read(name);
             const std::string type = bytes ? image_type(*bytes) : std::string();
             if (type.empty()) {
-                add_note(model_.notes, "texture: "
-                                           + (bytes ? quoted(std::string_view(name)) + " is no image that is kept"
-                                                    : bytes.error().message));
+                add_note(model_.notes,
+                         "texture: "
+                             + (bytes ? quoted(std::string_view(name)) + " is not an image that can be kept"
+                                      : bytes.error().message));
             } else {
                 material.base_colour_texture = TextureUse{.texture = static_cast<uint32_t>(model_.textures.size())};
                 const auto next = static_cast<uint32_t>(model_.images.size());
@@ -366,7 +367,7 @@ class PlyReader {
     }
 
     static Error cut_short(const std::string& where) {
-        return malformed(where, "the file ends before what its header promises; it was cut short");
+        return malformed(where, "the file ends before the content that its header promises; it was cut short");
     }
 
     std::span<const std::byte> bytes_;
@@ -375,10 +376,10 @@ class PlyReader {
     std::vector<Element> elements_;
     Companions& companions_;
     Model model_;
-    std::vector<CornerLook> looks_; // of vertices
+    std::vector<CornerLook> looks_; // per vertex
     std::vector<std::string> texture_files_;
     PolygonSplitter splitter_;
-    // Of the face at hand.
+    // Of the current face.
     std::vector<uint32_t> corners_;
     std::vector<float> uv_of_corners_;
     uint32_t texture_ = 0;

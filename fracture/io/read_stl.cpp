@@ -9,7 +9,7 @@
 namespace brittle::fracture {
 namespace {
 
-constexpr size_t header_size = 84; // 80 bytes of anything and the number of triangles
+constexpr size_t header_size = 84; // 80 arbitrary bytes and the number of triangles
 constexpr size_t record_size = 50; // normal, three corners, two bytes of attributes
 
 std::string_view text_of(std::span<const std::byte> bytes) {
@@ -30,7 +30,7 @@ class TextStlReader {
 
     Result<TriangleMesh> read() {
         if (Result<void> done = expect("solid"); !done) return done.error();
-        cursor_.next_line(); // the rest is the solid's name
+        cursor_.next_line(); // skips the name of the solid
         while (true) {
             const std::string_view token = cursor_.token_of_any_line();
             if (equals(token, "facet")) {
@@ -62,7 +62,7 @@ class TextStlReader {
 
     Result<void> read_facet() {
         if (Result<void> done = expect("normal"); !done) return done;
-        // The normal follows from the corners; the written one is often zero or nan.
+        // The corners give the normal; the stored one is often zero or nan.
         for (int k = 0; k < 3; ++k) cursor_.token_of_any_line();
         if (Result<void> done = expect("outer"); !done) return done;
         if (Result<void> done = expect("loop"); !done) return done;

@@ -1,4 +1,5 @@
-// A piece as the extension KHR_physics_rigid_bodies of glTF says it, by the draft of 2024 (Khronos pull request 2424).
+// The rigid-body properties of a piece as JSON of the glTF extension KHR_physics_rigid_bodies, in its draft of 2024
+// (Khronos pull request 2424).
 #pragma once
 
 #include <cstddef>
@@ -12,11 +13,12 @@ namespace brittle::fracture {
 
 inline constexpr const char* rigid_body_extension = "KHR_physics_rigid_bodies";
 
-// `mass` at density 1 in the node's axes, `density` in kg/m^3; the node's origin is the centre of mass. `hull` is the node
-// whose mesh bounds the piece, whose convex hull collides; without one the piece has no collider of its own.
+// The extension object of the node of a piece. `mass`: at density 1, in the axes of the node, whose origin is the
+// centre of mass. `density`: kg/m^3. `hull`: the node whose mesh gives the collider, as a convex hull; without it the
+// piece has no collider of its own.
 [[nodiscard]] nlohmann::ordered_json rigid_body_json(const MassProperties& mass, double density,
                                                      std::optional<size_t> hull);
-// Of a node below it that is one of several colliders.
+// The extension object of a child node that is one of several colliders of a piece.
 [[nodiscard]] nlohmann::ordered_json collider_json(size_t hull);
 
 } // namespace brittle::fracture

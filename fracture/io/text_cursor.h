@@ -1,4 +1,4 @@
-// Walks through the tokens and lines of a text file, for the text formats.
+// Iterates over the tokens and lines of a text file, for the text formats.
 #pragma once
 
 #include <cstddef>
@@ -8,8 +8,7 @@
 
 namespace brittle::fracture {
 
-// Tokens are separated by spaces and tabs. A backslash before the end of a line continues it, as OBJ wants
-// it.
+// Spaces and tabs separate tokens. A backslash before the end of a line continues the line, as in OBJ.
 class TextCursor {
   public:
     explicit TextCursor(std::string_view text) : text_(text) {}
@@ -17,11 +16,11 @@ class TextCursor {
     [[nodiscard]] size_t line() const { return line_; } // counted from 1
     [[nodiscard]] bool at_end() const { return at_ == text_.size(); }
 
-    // The next token of this line; empty at its end.
+    // Returns the next token of this line; empty at its end.
     std::string_view token();
-    // The next token of this line or a later one; empty at the end of the text.
+    // Returns the next token of this line or a later one; empty at the end of the text.
     std::string_view token_of_any_line();
-    // The rest of this line without blanks around it; names may hold blanks.
+    // Returns the rest of this line, trimmed of blanks. For names, which may contain blanks.
     std::string_view rest_of_line();
     // Skips the rest of this line.
     void next_line();
@@ -34,14 +33,14 @@ class TextCursor {
     size_t line_ = 1;
 };
 
-// The number that the whole token spells, never depending on the locale; nothing where it is none. "nan" and
-// "inf" are numbers, what does not fit a double is infinite or zero.
+// Parses the whole token as a number, independent of the locale; nothing where it is not a number. "nan" and "inf" are
+// numbers; a number out of the range of double is infinite or zero.
 [[nodiscard]] std::optional<double> parse_number(std::string_view token);
 
-// The token for a message: shortened, with bytes that may upset a terminal replaced.
+// The token for a message: shortened, with bytes that could upset a terminal replaced.
 [[nodiscard]] std::string printable(std::string_view token);
 
-// The same in quotes.
+// printable(), in quotes.
 [[nodiscard]] std::string quoted(std::string_view token);
 
 } // namespace brittle::fracture

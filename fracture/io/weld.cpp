@@ -9,19 +9,18 @@ namespace {
 
 constexpr uint32_t none = std::numeric_limits<uint32_t>::max();
 
-// Three words that are equal exactly where two positions count as equal.
+// Three words that are equal exactly where two positions are.
 struct Key {
     uint64_t x, y, z;
     bool operator==(const Key&) const = default;
 };
 
 Key key_of(const glm::dvec3& p) {
-    // Adding +0 turns -0 into +0 and changes nothing else.
+    // Adding +0 turns -0 into +0 and changes no other value.
     return {std::bit_cast<uint64_t>(p.x + 0.0), std::bit_cast<uint64_t>(p.y + 0.0), std::bit_cast<uint64_t>(p.z + 0.0)};
 }
 
-// The low bits of coordinates that were floats in a file are all zero, so every word is mixed before it is
-// used.
+// Coordinates read as floats have zeros in their low bits, so every word is mixed first.
 uint64_t mix(uint64_t z) {
     z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
     z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
@@ -32,10 +31,9 @@ uint64_t hash(const Key& key) {
     return mix(mix(mix(key.x) + key.y) + key.z);
 }
 
-// For each vertex the first one at the same position.
+// Returns for each vertex the first one at its position.
 std::vector<uint32_t> first_at_same_position(const std::vector<glm::dvec3>& positions) {
-    // Open addressing with linear probing, at most half full. The result does not depend on the order of
-    // slots.
+    // Open addressing with linear probing, at most half full. The result does not depend on the order of slots.
     const size_t slots = std::bit_ceil(positions.size() * 2 + 1);
     std::vector<uint32_t> table(slots, none);
     std::vector<uint32_t> first(positions.size());

@@ -18,11 +18,11 @@
 namespace brittle::fracture {
 namespace {
 
-using Json = nlohmann::ordered_json; // members stay in the order in which a person would read them
+using Json = nlohmann::ordered_json; // keeps members in the order of a reader
 using Buffer = std::vector<std::byte>;
 
 constexpr uint64_t size_limit = uint64_t{1} << 32; // sizes in the container are 32-bit
-constexpr int deepest_recipe = 64;                 // brackets; writing JSON recurses over them
+constexpr int max_recipe_depth = 64;               // brackets; the JSON writer recurses over them
 
 // Numbers that the glTF 2.0 specification assigns.
 constexpr int array_buffer = 34962;
@@ -39,14 +39,14 @@ Json array_of(const T& vector) {
     return Json::array({vector.x, vector.y, vector.z});
 }
 
-// The one buffer, in views: one for each kind of attribute, one for each image. A view gets its number when it is first
-// written to, and its place when all are known.
+// The single buffer, in views: one for each kind of attribute, one for each image. A view gets its index at the first
+// write to it, and its offset when all views are complete.
 class Views {
   public:
     struct View {
         Buffer bytes{};
-        int stride = 0; // 0: none given
-        int target = 0; // 0: none given
+        int stride = 0; // 0: unspecified
+        int target = 0; // 0: unspecified
     };
 
     size_t number(const std::string& kind, int stride, int target) {
@@ -127,7 +127,7 @@ class GlbWriter {
     }
 
   private:
-    // Of each piece those to pieces with a higher number, which are in this file or another.
+    // The bonds of each piece to pieces with a higher number, in this file or another.
     void find_bonds() {
         for (const Bond& bond : job_.fragments.bonds)
             bonds_[bond.a].push_back({{"piece", bond.b},
@@ -175,7 +175,7 @@ class GlbWriter {
         return {};
     }
 
-    // Of the node's axes: the centre of mass, rounded where it is the translation as well.
+    // The mass properties in the axes of the node; the centre of mass is rounded where it is also the translation.
     [[nodiscard]] glm::dvec3 origin_of(const MassProperties& mass) const {
         return options_.poses.empty() ? glm::dvec3(glm::vec3(mass.centre_of_mass)) : mass.centre_of_mass;
     }
@@ -191,7 +191,7 @@ class GlbWriter {
         node["rotation"] = {turn.x, turn.y, turn.z, turn.w};
     }
 
-    // One hull is the collider of its piece; several are colliders themselves.
+    // A single hull is the collider of its piece; several hulls are colliders of their own nodes.
     Result<void> add_hulls(Json& node, uint32_t p, const glm::dvec3& origin, const std::string& name) {
         std::vector<const TriangleMesh*> hulls;
         if (!options_.hulls.empty())
@@ -233,7 +233,7 @@ class GlbWriter {
         return node;
     }
 
-    // Checked for every primitive, so that no more memory is taken than the format could hold.
+    // Checked for every primitive, so that no more memory is allocated than the format can hold.
     Result<Json> add_positions(std::span<const glm::vec3> positions, const std::string& name) {
         if (views_.size() >= size_limit) {
             return Error{Status::write_failed, "the pieces take over 4 GiB, which a GLB file cannot hold; simplify "
@@ -291,7 +291,7 @@ class GlbWriter {
     }
 
     size_t add_indices(std::span<const uint32_t> indices, size_t vertices) {
-        const bool is_short = vertices <= 65535; // 65535 restarts a primitive and must not be an index
+        const bool is_short = vertices <= 65535; // 65535 is the restart value and no valid index
         const size_t view = views_.number("indices", 0, element_array_buffer);
         Buffer& bytes = views_.bytes(view);
         accessors_.push_back({{"bufferView", view},
@@ -309,9 +309,9 @@ class GlbWriter {
         return accessors_.size() - 1;
     }
 
-    // The container: a head of twelve bytes, the JSON padded with spaces, the buffers padded with zeros.
+    // The container: a header of twelve bytes, the JSON padded with spaces, the buffer padded with zeros.
     Result<Buffer> assemble(const Json& document) const {
-        // Names in another encoding than UTF-8 would throw; their damaged letters are replaced.
+        // Names that are not UTF-8 would throw; the replacement character takes the place of invalid bytes.
         std::string json = document.dump(-1, ' ', false, Json::error_handler_t::replace);
         json.resize((json.size() + 3) / 4 * 4, ' ');
         const uint64_t binary = views_.size();
@@ -349,13 +349,13 @@ class GlbWriter {
 Result<Json> parse_recipe(const std::string& text) {
     bool too_deep = false;
     const auto keep = [&](int depth, Json::parse_event_t, Json&) {
-        too_deep = too_deep || depth > deepest_recipe;
-        return depth <= deepest_recipe;
+        too_deep = too_deep || depth > max_recipe_depth;
+        return depth <= max_recipe_depth;
     };
     Json recipe = Json::parse(text, keep, false);
     if (too_deep) return Error{Status::invalid_setting, "the recipe's JSON is nested over 64 levels deep"};
     if (recipe.is_discarded() || !recipe.is_object()) {
-        return Error{Status::invalid_setting, "the recipe is no JSON object, such as {}: " + text.substr(0, 80)};
+        return Error{Status::invalid_setting, "the recipe is not a JSON object, for example {}: " + text.substr(0, 80)};
     }
     return recipe;
 }

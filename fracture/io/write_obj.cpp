@@ -13,7 +13,7 @@ std::string ending_of(const Image& image) {
     return image.mime_type == "image/png" ? ".png" : (image.mime_type == "image/jpeg" ? ".jpg" : ".bin");
 }
 
-// Blanks end names in OBJ, for most readers.
+// Most readers end an OBJ name at a blank.
 std::string word(std::string name, const std::string& otherwise) {
     for (char& c : name)
         if (static_cast<unsigned char>(c) <= ' ') c = '_';
@@ -39,7 +39,7 @@ class ObjWriter {
         return {bytes, bytes + text.size()};
     }
 
-    // The shortest digits that give the same number again.
+    // Appends the shortest digits that give the number again.
     static void append(std::string& text, double value) {
         char digits[32];
         text += ' ';
@@ -51,7 +51,7 @@ class ObjWriter {
         text.append(digits, std::to_chars(digits, digits + sizeof digits, value).ptr);
     }
 
-    // Names tell materials apart in OBJ, so each gets one of its own.
+    // OBJ identifies materials by name, so each gets a unique one.
     void name_materials() {
         std::set<std::string> taken;
         const auto unique = [&](const Material& material, const std::string& otherwise) {
@@ -84,7 +84,7 @@ class ObjWriter {
             for (const glm::vec2& at : part.uv[0]) {
                 obj_ += "vt";
                 append(obj_, at.x);
-                append(obj_, 1.0f - at.y); // up here
+                append(obj_, 1.0f - at.y); // v points up in OBJ
                 obj_ += '\n';
             }
             for (const glm::vec3& normal : part.normals) {
@@ -149,7 +149,7 @@ class ObjWriter {
         mtl += " " + file_of(source_->images[*image], "_image" + std::to_string(*image)) + "\n";
     }
 
-    // The name of a file beside this one, which is written once.
+    // Returns the name of an image file beside the mesh, which is written once.
     std::string file_of(const Image& image, const std::string& suffix) {
         const std::string whole = suffix + ending_of(image);
         if (image_files_.insert(whole).second) files_.push_back({whole, image.bytes});
@@ -160,7 +160,7 @@ class ObjWriter {
     const Model* source_;
     std::vector<OutputFile> files_;
     std::string obj_;
-    std::vector<std::string> names_; // of materials: the source's, then the two below
+    std::vector<std::string> names_; // per material: those of the source, then the two defaults
     uint32_t exterior_ = 0, interior_ = 0;
     std::set<uint32_t> used_;
     std::set<std::string> image_files_;

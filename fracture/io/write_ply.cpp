@@ -12,7 +12,7 @@
 namespace brittle::fracture {
 namespace {
 
-// Red first, as sRGB.
+// Red in the lowest byte, in sRGB.
 uint32_t bytes_of(const glm::vec4& colour) {
     uint32_t result = 0;
     for (int k = 0; k < 4; ++k) {
@@ -24,8 +24,8 @@ uint32_t bytes_of(const glm::vec4& colour) {
 
 } // namespace
 
-// Vertices of a piece with 64-bit coordinates, each once, or with colours one for each colour. `piece` and `interior` of
-// each face.
+// Vertices with 64-bit coordinates, one for each vertex of a piece, or one for each of its colours. Faces have the
+// properties `piece` and `interior`.
 Result<std::vector<OutputFile>> write_ply(const ExportJob& job) {
     const Model* const source = job.options.source;
     const bool has_colours = source && !source->colours.empty();
@@ -48,7 +48,7 @@ Result<std::vector<OutputFile>> write_ply(const ExportJob& job) {
         const Piece& piece = job.fragments.pieces[p];
         const auto positions = job.fragments.positions_of(piece);
         if (has_colours) {
-            std::unordered_map<uint64_t, uint32_t> written; // by vertex and colour
+            std::unordered_map<uint64_t, uint32_t> written; // key: vertex and colour
             for (const DrawnPart& part : drawn_parts(job.fragments, piece, source, {})) {
                 const auto vertex = [&](size_t k) {
                     const uint32_t corner = part.indices[k], v = part.vertices[corner];
@@ -68,7 +68,7 @@ Result<std::vector<OutputFile>> write_ply(const ExportJob& job) {
                 add_face(triangles[t] + base, p, t >= piece.exterior_triangles);
         }
         if (vertex_count > UINT32_MAX || vertices.size() + faces.size() > (uint64_t{1} << 32))
-            return Error{Status::write_failed, "the pieces take over 4 GiB; use fewer sites or a file a piece"};
+            return Error{Status::write_failed, "the pieces take over 4 GiB; use fewer sites or one file per piece"};
     }
     std::string header = "ply\nformat binary_little_endian 1.0\ncomment Brittle " BRITTLE_VERSION "\nelement vertex "
                          + std::to_string(vertex_count) + "\nproperty double x\nproperty double y\nproperty double z\n";

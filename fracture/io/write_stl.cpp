@@ -8,7 +8,8 @@
 
 namespace brittle::fracture {
 
-// Binary: 80 bytes of text, a count, then normal, three corners and two bytes a triangle, which hold 1 in the interior.
+// Binary: 80 bytes of text, a count, then normal, three corners and two attribute bytes per triangle, which are 1 in
+// the interior.
 Result<std::vector<OutputFile>> write_stl(const ExportJob& job) {
     std::vector<std::byte> bytes(80);
     const std::string_view head = "Brittle " BRITTLE_VERSION; // must not begin with "solid"
@@ -16,7 +17,7 @@ Result<std::vector<OutputFile>> write_stl(const ExportJob& job) {
     uint64_t count = 0;
     for (const uint32_t p : job.pieces) count += job.fragments.pieces[p].triangles.size();
     if (84 + 50 * count > (uint64_t{1} << 32))
-        return Error{Status::write_failed, "the pieces take over 4 GiB; use fewer sites or a file a piece"};
+        return Error{Status::write_failed, "the pieces take over 4 GiB; use fewer sites or one file per piece"};
     append(bytes, static_cast<uint32_t>(count));
     for (const uint32_t p : job.pieces) {
         const Piece& piece = job.fragments.pieces[p];

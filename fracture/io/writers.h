@@ -1,4 +1,4 @@
-// The writers behind export_pieces, one a format. Internal: include io/export.h instead.
+// The writers behind export_pieces(), one per format. Internal: include io/export.h instead.
 #pragma once
 
 #include <cstddef>
@@ -14,32 +14,32 @@
 namespace brittle::fracture {
 
 struct OutputFile {
-    std::string suffix; // of the name: "" for the file itself, or such as ".mtl", "_base.png"
+    std::string suffix; // appended to the stem: "" for the file itself, ".mtl", "_base.png"
     std::vector<std::byte> bytes;
 };
 
-// What goes into one file.
+// The content of one exported file.
 struct ExportJob {
     const Fragments& fragments;
     const Certificate& certificate;
     const ExportOptions& options;
-    std::span<const uint32_t> pieces; // of the fragments
-    std::string stem;                 // of the file, for names of files beside it
+    std::span<const uint32_t> pieces; // indices into Fragments::pieces
+    std::string stem;                 // of the file name, for the names of files beside it
 };
 
-// NAME_000, ...
+// The name of a piece: NAME_000, ...
 [[nodiscard]] std::string piece_name(const ExportOptions& options, uint32_t piece);
 
-// Where a point and a direction of a piece come to by its pose, if it has one.
+// A point and a direction of a piece after its pose, if it has one.
 [[nodiscard]] glm::dvec3 placed(const ExportJob& job, uint32_t piece, const glm::dvec3& point);
 [[nodiscard]] glm::vec3 turned(const ExportJob& job, uint32_t piece, const glm::vec3& direction);
 
-// The material of the cuts: what the options say, or the default.
+// The material of the cuts: that of the options, or the default.
 [[nodiscard]] Material interior_material(const ExportOptions& options);
-// For parts of the exterior that have none.
+// The material for parts of the exterior without a source material.
 [[nodiscard]] Material exterior_material(const ExportOptions& options);
 
-// All give files to be written in their order, the one that names the others last.
+// All return the files to write, in order; the file that refers to the others is the last one.
 [[nodiscard]] Result<std::vector<OutputFile>> write_glb(const ExportJob& job);
 [[nodiscard]] Result<std::vector<OutputFile>> write_obj(const ExportJob& job);
 [[nodiscard]] Result<std::vector<OutputFile>> write_ply(const ExportJob& job);

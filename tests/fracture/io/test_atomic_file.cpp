@@ -25,7 +25,7 @@ bool contains(const Error& error, const std::string& text) {
 
 } // namespace
 
-TEST_CASE("writing to a missing folder fails, names it and makes nothing") {
+TEST_CASE("writing to a missing folder fails with its name and creates nothing") {
     const test::Folder folder;
     const Result<void> result = write_text(folder.path / "missing" / "a.glb", "x");
     REQUIRE(!result);
@@ -35,7 +35,7 @@ TEST_CASE("writing to a missing folder fails, names it and makes nothing") {
     CHECK(folder.files() == 0);
 }
 
-TEST_CASE("a folder and an empty name are no targets") {
+TEST_CASE("a folder and an empty name are not valid targets") {
     const test::Folder folder;
     const Result<void> result = write_text(folder.path, "x");
     REQUIRE(!result);
@@ -47,7 +47,7 @@ TEST_CASE("a folder and an empty name are no targets") {
 TEST_CASE("a folder without write permission is an error") {
     const test::Folder folder;
     REQUIRE(::chmod(folder.path.c_str(), 0555) == 0);
-    // Permissions do not bind root, so it becomes no one for a moment.
+    // Permissions do not apply to root, so the test drops its privileges for a moment.
     const bool root = ::geteuid() == 0;
     if (root) REQUIRE(::seteuid(65534) == 0);
     const Result<void> result = write_text(folder.path / "a.glb", "x");
@@ -70,7 +70,7 @@ TEST_CASE("where writing fails midway the old file stays and no temporary one is
     const fs::path file = folder.path / "pieces.glb";
     REQUIRE(write_text(file, "old"));
 
-    // A limit on file sizes fails like a full disk: after some bytes.
+    // A limit on the file size fails like a full disk, after some bytes.
     rlimit before{};
     REQUIRE(::getrlimit(RLIMIT_FSIZE, &before) == 0);
     const auto handler = std::signal(SIGXFSZ, SIG_IGN);
@@ -89,7 +89,7 @@ TEST_CASE("where writing fails midway the old file stays and no temporary one is
 
 TEST_CASE("writing makes a file, replaces it, and leaves nothing else") {
     const test::Folder folder;
-    const fs::path file = folder.path / (std::string(250, 'n') + ".glb"); // as long as names can be
+    const fs::path file = folder.path / (std::string(250, 'n') + ".glb"); // the maximum length of a name
     REQUIRE(write_text(file, std::string(100000, 'a')));
     CHECK(test::read_text(file) == std::string(100000, 'a'));
     REQUIRE(write_text(file, ""));

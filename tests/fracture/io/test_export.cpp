@@ -21,7 +21,7 @@ using nlohmann::json;
 
 namespace {
 
-// The parts of the box min .. max as a piece. Of its six quads the one at x = inner_x is interior.
+// The box min .. max as a piece. Of its six quads the one at x = inner_x is interior.
 void add_box(Fragments& fragments, const glm::dvec3& min, const glm::dvec3& max, double inner_x) {
     Piece piece;
     piece.site = static_cast<uint32_t>(fragments.pieces.size());
@@ -51,7 +51,7 @@ void add_box(Fragments& fragments, const glm::dvec3& min, const glm::dvec3& max,
     fragments.pieces.push_back(piece);
 }
 
-// Two halves of a box, cut off the middle at a place that floats cannot hold.
+// Two parts of a box, cut off the middle at a coordinate that float cannot represent.
 Fragments two_halves() {
     const glm::dvec3 min{-1.1, -0.7, -0.3}, max{1.3, 0.9, 0.7};
     Fragments fragments;
@@ -81,7 +81,7 @@ uint32_t word(const std::string& bytes, size_t at) {
     return value;
 }
 
-// Takes the container apart and checks it on the way.
+// Parses the container and checks it.
 Glb read_glb(const fs::path& file) {
     const std::string bytes = test::read_text(file);
     REQUIRE(bytes.substr(0, 4) == "glTF");
@@ -131,7 +131,7 @@ TEST_CASE("export: no pieces give a file with only the root") {
     CHECK(!glb.document["nodes"][0].contains("children"));
 }
 
-TEST_CASE("export: a recipe that is no JSON object is refused, and the old file stays") {
+TEST_CASE("export: a recipe that is not a JSON object is refused, and the old file stays") {
     const test::Folder folder;
     const fs::path file = exported(folder, two_halves());
     const std::string before = test::read_text(file);
@@ -163,7 +163,7 @@ TEST_CASE("export: a folder that does not exist is an error with its name") {
     CHECK(result.error().message.find("/nonexistent/pieces.glb") != std::string::npos);
 }
 
-TEST_CASE("export: one root, a child a piece, and everything about it in the extras") {
+TEST_CASE("export: one root, one child per piece with its properties in the extras") {
     const test::Folder folder;
     const Glb glb = read_glb(exported(folder, two_halves(), {"vase", R"({"pattern": {"seed": 7}})"}));
     const json& nodes = glb.document["nodes"];
@@ -200,7 +200,7 @@ TEST_CASE("export: exterior and interior are primitives 0 and 1 with different m
     }
 }
 
-TEST_CASE("export: an empty primitive is left out") {
+TEST_CASE("export: an empty primitive is omitted") {
     const test::Folder folder;
     Fragments whole;
     add_box(whole, glm::dvec3(-1.0), glm::dvec3(1.0), 5.0);
@@ -217,11 +217,11 @@ TEST_CASE("export: normals are those of the faces, coplanar triangles share vert
             const size_t position = primitive["attributes"]["POSITION"].get<size_t>();
             const std::vector<glm::vec3> positions = vectors(glb, position);
             const std::vector<glm::vec3> normals = vectors(glb, primitive["attributes"]["NORMAL"].get<size_t>());
-            CHECK((positions.size() == 20 || positions.size() == 4)); // four a quad
+            CHECK((positions.size() == 20 || positions.size() == 4)); // four per quad
             REQUIRE(positions.size() == normals.size());
             glm::vec3 least(1e9f), greatest(-1e9f);
             for (size_t v = 0; v < positions.size(); ++v) {
-                // The box's centre is the origin, so the outward normal points to the vertex's side.
+                // The centre of the box is the origin, so the outward normal points to the side of the vertex.
                 CHECK(glm::dot(positions[v], normals[v]) > 0.0f);
                 CHECK(std::abs(normals[v].x) + std::abs(normals[v].y) + std::abs(normals[v].z) == 1.0f);
                 for (int k = 0; k < 3; ++k) {
@@ -289,8 +289,7 @@ TEST_CASE("export: each piece comes back closed with its volume, all pieces with
 }
 
 TEST_CASE("export: a piece of over 65,535 vertices has 32-bit indices and comes back whole") {
-    // A closed double cone over a ring of n corners; every triangle is a plane of its own, so none shares
-    // vertices.
+    // A closed double cone over a ring of n corners. Every triangle has a plane of its own, so none shares vertices.
     constexpr uint32_t n = 12'000;
     Fragments fragments;
     for (uint32_t k = 0; k < n; ++k) {
@@ -352,7 +351,7 @@ TEST_CASE("export: cuts have texture coordinates in metres where the sites are g
     }
 }
 
-TEST_CASE("export: pieces that have become one keep the normals of all their cuts") {
+TEST_CASE("export: merged pieces keep the normals of all their cuts") {
     const TriangleMesh ball = icosphere(3);
     const auto sites = uniform_sites(bounds(ball), 40, 2);
     Settings settings;
@@ -377,7 +376,7 @@ TEST_CASE("export: pieces that have become one keep the normals of all their cut
                 const glm::vec3 &a = positions[indices[k]], &b = positions[indices[k + 1]],
                                 &c = positions[indices[k + 2]];
                 const glm::vec3 own = glm::cross(b - a, c - a);
-                if (glm::length(own) < 1e-4f) continue; // too small for floats to tell
+                if (glm::length(own) < 1e-4f) continue; // too small for float
                 CHECK(glm::dot(glm::normalize(own), normals[indices[k]]) > 0.999f);
                 ++triangles;
             }

@@ -31,7 +31,7 @@ void write(const fs::path& file, const std::string& text) {
     std::ofstream(file, std::ios::binary) << text;
 }
 
-// Imports a file that must fail, checks the kind and that the message names the file and says the words.
+// Imports a file that must fail. Checks the status, and that the message contains the name of the file and the words.
 void check_refused(const fs::path& file, Status status, const std::string& words) {
     CAPTURE(file.string());
     const Result<TriangleMesh> result = import_mesh(file);
@@ -53,7 +53,7 @@ TriangleMesh import_valid(const fs::path& file) {
     return std::move(*result);
 }
 
-// The most memory that this process has held since its peak was forgotten, in bytes; 0 where /proc does not say.
+// The peak memory of this process since the last reset, in bytes; 0 where /proc does not give it.
 uint64_t peak_memory() {
     std::ifstream status("/proc/self/status");
     for (std::string line; std::getline(status, line);)
@@ -65,13 +65,13 @@ void forget_peak_memory() {
     std::ofstream("/proc/self/clear_refs") << 5;
 }
 
-// Sanitizers keep what is freed for a while.
+// Sanitizers keep freed memory for a while.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 constexpr uint64_t max_memory_growth = UINT64_MAX;
 #else
-constexpr uint64_t max_memory_growth = uint64_t{16} << 20; // bytes, over all the damaged files of a kind
+constexpr uint64_t max_memory_growth = uint64_t{16} << 20; // bytes, over all damaged files of a format
 #endif
-constexpr double longest_reading = 2.0; // seconds of processor time, as other tests may run too
+constexpr double max_seconds = 2.0; // seconds of processor time, independent of other tests
 
 } // namespace
 
@@ -81,13 +81,13 @@ TEST_CASE("import: missing files, folders, pipes and unreadable files are refuse
     fs::create_directory(folder.path / "folder.obj");
     check_refused(folder.path / "folder.obj", Status::file_not_found, "is a folder");
     REQUIRE(::mkfifo((folder.path / "pipe.stl").c_str(), 0600) == 0);
-    check_refused(folder.path / "pipe.stl", Status::file_not_found, "no regular file");
+    check_refused(folder.path / "pipe.stl", Status::file_not_found, "not a regular file");
 
     const fs::path secret = folder.path / "secret.obj";
     write(secret, "v 0 0 0\n");
     REQUIRE(::chmod(folder.path.c_str(), 0755) == 0);
     REQUIRE(::chmod(secret.c_str(), 0) == 0);
-    const bool root = ::geteuid() == 0; // permissions do not bind root
+    const bool root = ::geteuid() == 0; // permissions do not apply to root
     if (root) REQUIRE(::seteuid(65534) == 0);
     const Result<TriangleMesh> result = import_mesh(secret);
     if (root) REQUIRE(::seteuid(0) == 0);
@@ -105,11 +105,11 @@ TEST_CASE("import: empty and oversized files are refused without reading them") 
     if (!no_sparse_files) check_refused(huge, Status::malformed_file, "4 GiB");
 }
 
-TEST_CASE("import: unknown endings are refused with the readable ones, in any case of letters") {
+TEST_CASE("import: unknown extensions are refused with a list of readable ones, in any letter case") {
     check_refused("mesh.fbx", Status::unsupported_format,
                   ".fbx files are not read; convert the mesh to one of .obj, .stl");
     check_refused("mesh.x3d", Status::unsupported_format, ".glb");
-    check_refused("mesh", Status::unsupported_format, "no ending");
+    check_refused("mesh", Status::unsupported_format, "no extension");
     const test::Folder folder;
     fs::copy_file(meshes / "cube.obj", folder.path / "CUBE.OBJ");
     CHECK(import_valid(folder.path / "CUBE.OBJ").triangles.size() == 12);
@@ -137,7 +137,7 @@ TEST_CASE("import: damaged OBJ files are refused with line and value") {
     check_refused(folder.path / "wide.obj", Status::malformed_file, "line 4: a face has 5000 corners");
 }
 
-TEST_CASE("import: damaged STL files are refused with what was promised and what is there") {
+TEST_CASE("import: damaged STL files are refused with promised and actual size") {
     check_malformed("cut_short_binary.stl", "promises 12 triangles, which take 684 bytes, but it has 614");
     check_malformed("cut_short_text.stl", "the file ends; it was cut short");
     check_malformed("wrong_word.stl", "line 7: 'endloop' expected, but found 'endlop'");
@@ -179,8 +179,8 @@ TEST_CASE("import: glTF accessors without data, which stand for zeros, are refus
     check_malformed("indices_of_zeros.gltf", "accessors[1] has 99999999 elements but no data");
 }
 
-TEST_CASE("import: one small mesh shown by very many nodes is refused before it fills the memory") {
-    // 4000 vertices of three bytes and a triangle, 16 kB.
+TEST_CASE("import: one small mesh used by very many nodes is refused before it fills the memory") {
+    // 4000 vertices of three bytes, and a triangle: 16 kB.
     const std::string zeros(size_t{4} * 4000, 'A');
     std::string bomb = R"({"asset":{"version":"2.0"},"buffers":[{"uri":"data:;base64,)" + zeros + R"("}],
         "bufferViews":[{"buffer":0,"byteLength":12000}],
@@ -213,7 +213,7 @@ TEST_CASE("import: a PLY face of many lists has no more corners than any other")
     check_refused(folder.path / "lists.ply", Status::malformed_file, "face 0: a list of 4000");
 }
 
-TEST_CASE("import: what a terminal would obey does not get into messages") {
+TEST_CASE("import: messages contain no terminal control characters") {
     for (const char* name : {"escape_in_element.ply", "escape_in_extension.gltf", "escape_in_buffer_name.gltf"}) {
         CAPTURE(name);
         const Result<TriangleMesh> result = import_mesh(meshes / name);
@@ -224,8 +224,8 @@ TEST_CASE("import: what a terminal would obey does not get into messages") {
 }
 
 TEST_CASE("import: damaged PLY files are refused with line or byte, and element") {
-    check_malformed("cut_short.ply", "byte 428, face 4: the file ends before what its header promises");
-    check_malformed("huge_count.ply", "vertex 1: the file ends before what its header promises");
+    check_malformed("cut_short.ply", "byte 428, face 4: the file ends before the content that its header promises");
+    check_malformed("huge_count.ply", "vertex 1: the file ends before the content that its header promises");
     check_malformed("no_end.ply", "line 4: the header has no 'end_header'");
     check_malformed("bad_type.ply", "line 4: an unknown type in 'property quad x'");
     check_malformed("not_a_number.ply", "line 11, vertex 1: a number is expected, but found 'x'");
@@ -277,7 +277,7 @@ TEST_CASE("import: concave polygons are split inside themselves") {
         CHECK(mesh.triangles.size() == triangles);
         CHECK(is_closed(mesh.triangles));
         CHECK(signed_volume(mesh) == doctest::Approx(volume));
-        // A triangle outside the polygon would have to be made up for by one that is upside down.
+        // A triangle outside the polygon would need another one that is upside down.
         for (const Triangle& t : mesh.triangles) {
             const glm::dvec3& a = mesh.positions[t.x];
             const glm::dvec3 n = glm::cross(mesh.positions[t.y] - a, mesh.positions[t.z] - a);
@@ -349,7 +349,7 @@ TEST_CASE("import: the models of glmark2") {
 TEST_CASE("import: readers given files with random bytes changed, cut or repeated never crash, hang, "
           "fill the memory or name missing vertices") {
     Random random(1);
-    const char* const wanted = std::getenv("BRITTLE_DAMAGED_FILES"); // of each kind; HACKING.md
+    const char* const wanted = std::getenv("BRITTLE_DAMAGED_FILES"); // per format; HACKING.md
     const int rounds = wanted ? std::atoi(wanted) : 2000;
     for (const std::string name :
          {"spelled_oddly.obj", "cube_binary.stl", "cube_text.stl", "cube.glb", "mirrored.gltf", "cube.3ds",
@@ -390,7 +390,7 @@ TEST_CASE("import: readers given files with random bytes changed, cut or repeate
             const std::span<const std::byte> bytes = std::as_bytes(std::span(damaged));
             Companions companions(meshes);
             const std::string extension = fs::path(name).extension().string();
-            if (extension == ".mtl") { // never an error, and nothing that names what is not there
+            if (extension == ".mtl") { // never an error, and all indices are valid
                 Model model;
                 read_mtl(damaged, companions, model);
                 for (const Material& m : model.materials)
@@ -418,8 +418,8 @@ TEST_CASE("import: readers given files with random bytes changed, cut or repeate
             REQUIRE(fits(result->material_of.size(), mesh.triangles.size()));
             for (const uint32_t m : result->material_of) REQUIRE((m == no_material || m < result->materials.size()));
         }
-        CHECK(read_well > 0); // else the damage is too coarse to reach the insides
-        CHECK(slowest < longest_reading);
+        CHECK(read_well > 0); // otherwise the damage is too coarse to get past the headers
+        CHECK(slowest < max_seconds);
         const uint64_t growth = peak_memory() - memory_before;
         CHECK(growth < max_memory_growth);
         if (wanted)

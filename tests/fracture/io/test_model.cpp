@@ -1,4 +1,4 @@
-// What meshes look like, from file to file: through import, fracture and export.
+// Materials and attributes of meshes through import, fracture and export.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -71,7 +71,7 @@ uint32_t material_named(const Model& model, const std::string& name) {
     return 0;
 }
 
-// How the crate was painted: everything is linear in the position.
+// The attributes of the crate as functions of the position, all linear.
 struct Paint {
     glm::dvec2 uv;
     glm::dvec4 colour{1.0};
@@ -83,7 +83,7 @@ Paint lid(const glm::dvec3& p) {
     return {{p.x * 0.5 + 0.5, p.z / 1.5 + 0.5}, {p.x * 0.25 + 0.5, p.z * 0.25 + 0.5, 0.5, 1.0}};
 }
 
-// Checks all corners of a material; returns how many there were.
+// Checks all corners of a material and returns their number.
 uint32_t check_paint(const Model& model, uint32_t material, Paint (*paint)(const glm::dvec3&),
                      double tolerance = 2e-6) {
     uint32_t corners = 0;
@@ -124,7 +124,7 @@ TEST_CASE("model: a glTF file's materials, textures, images, coordinates, colour
     CHECK(check_paint(crate, 0, planks) == 4 * 2 * 3);
     CHECK(check_paint(crate, 1, lid) == 2 * 3);
 
-    // The knob: a sphere, turned by an eighth and stretched. The normal is the gradient of its quadric.
+    // The knob: a sphere, rotated by 45 degrees and stretched. The normal is the gradient of its quadric.
     const glm::dquat turn(0.92387953, 0.0, 0.0, 0.38268343);
     const glm::dvec3 scale(0.3, 0.15, 0.2);
     uint32_t corners = 0;
@@ -141,14 +141,14 @@ TEST_CASE("model: a glTF file's materials, textures, images, coordinates, colour
     CHECK(corners == 120 * 3);
 }
 
-TEST_CASE("model: pieces in a GLB file keep what the source looks like") {
+TEST_CASE("model: pieces in a GLB file keep the materials and attributes of the source") {
     const test::Folder folder;
     const Model crate = imported(meshes / "crate.glb");
     const Cut pieces = cut(crate, 25);
     const fs::path file = written(folder.path / "crate.glb", pieces, {.source = &crate});
     const Model back = imported(file);
     CHECK(back.notes.empty());
-    REQUIRE(back.materials.size() == 5); // and the knob's, which has none, and the cuts'
+    REQUIRE(back.materials.size() == 5); // with the default of the knob, which has none, and that of the cuts
     for (size_t m = 0; m < 3; ++m) {
         CAPTURE(m);
         CHECK(back.materials[m].name == crate.materials[m].name);
@@ -166,8 +166,8 @@ TEST_CASE("model: pieces in a GLB file keep what the source looks like") {
     CHECK(check_paint(back, 0, planks) > 100);
     CHECK(check_paint(back, 1, lid) > 30);
     for (const glm::vec4& colour : back.colours)
-        for (int k = 0; k < 4; ++k) CHECK((colour[k] >= 0.0f && colour[k] <= 1.0f)); // no rounding beyond
-    // Smooth where it was smooth: normals of the knob's parts differ within triangles, of the crate's they do not.
+        for (int k = 0; k < 4; ++k) CHECK((colour[k] >= 0.0f && colour[k] <= 1.0f)); // not rounded out of range
+    // Smooth normals stay: those of the parts of the knob differ within triangles, those of the crate do not.
     bool smooth_knob = false, flat_crate = true;
     for (size_t t = 0; t < back.mesh.triangles.size(); ++t) {
         const bool varies = glm::distance(back.normals[3 * t], back.normals[3 * t + 1]) > 1e-3f;
@@ -204,7 +204,7 @@ TEST_CASE("model: OBJ files with their materials, from import to export and back
           == static_cast<std::ptrdiff_t>(pieces.certificate.cap_triangles));
 }
 
-TEST_CASE("model: what a material library lacks or asks for is a note, and no file outside the folder is read") {
+TEST_CASE("model: faults of a material library give notes, and no file outside the folder is read") {
     const test::Folder folder;
     const fs::path inner = folder.path / "inner";
     fs::create_directory(inner);
@@ -245,7 +245,7 @@ TEST_CASE("model: PLY keeps colours, STL the triangles, both are closed and have
     const Model back = imported(folder.path / "ball.ply");
     REQUIRE(back.colours.size() == plain.colours.size());
     for (size_t t = 0; t < back.mesh.triangles.size(); ++t)
-        for (int k = 0; k < 3; ++k) // doubles, bit by bit
+        for (int k = 0; k < 3; ++k) // doubles, bit for bit
             CHECK(back.mesh.positions[back.mesh.triangles[t][k]] == plain.mesh.positions[plain.mesh.triangles[t][k]]);
     CHECK(back.mesh.positions.size() == plain.mesh.positions.size());
     double worst = 0.0;
@@ -254,7 +254,7 @@ TEST_CASE("model: PLY keeps colours, STL the triangles, both are closed and have
     CHECK(worst < 0.012); // eight bits of sRGB are coarsest near white
 }
 
-TEST_CASE("model: a file for each piece") {
+TEST_CASE("model: one file per piece") {
     const test::Folder folder;
     const Model crate = imported(meshes / "crate.obj");
     const Cut pieces = cut(crate, 7);
@@ -278,7 +278,7 @@ TEST_CASE("model: bonds, hulls and rigid bodies in a GLB file") {
     const test::Folder folder;
     const Model crate = imported(meshes / "crate.obj");
     const Cut pieces = cut(crate, 9);
-    // Any closed mesh will do for a hull here.
+    // Any closed mesh can serve as a hull here.
     std::vector<std::vector<TriangleMesh>> hulls;
     for (const Piece& piece : pieces.fragments.pieces) {
         hulls.push_back({cube(0.1)});
@@ -308,7 +308,7 @@ TEST_CASE("model: bonds, hulls and rigid bodies in a GLB file") {
         const json& hull = document["nodes"][body["collider"]["geometry"]["node"].get<size_t>()];
         CHECK(hull["name"] == node["name"].get<std::string>() + "-convcolonly");
         CHECK(node["children"][0] == body["collider"]["geometry"]["node"]);
-        // The tensor again from its principal axes.
+        // Recomputes the tensor from its principal axes.
         const json &d = body["motion"]["inertiaDiagonal"], &q = body["motion"]["inertiaOrientation"];
         const glm::dmat3 axes = glm::mat3_cast(glm::dquat(q[3], q[0], q[1], q[2]));
         const glm::dmat3 tensor = axes * glm::dmat3(d[0], 0, 0, 0, d[1], 0, 0, 0, d[2]) * glm::transpose(axes);
@@ -330,7 +330,7 @@ TEST_CASE("model: bonds, hulls and rigid bodies in a GLB file") {
     const json several = document_of(written(folder.path / "d.glb", pieces, options));
     const json &first = several["nodes"][1], &second_hull = several["nodes"][3];
     CHECK(first["children"] == json{2, 3});
-    CHECK_FALSE(first["extensions"]["KHR_physics_rigid_bodies"].contains("collider")); // its hulls are colliders
+    CHECK_FALSE(first["extensions"]["KHR_physics_rigid_bodies"].contains("collider")); // its hulls are the colliders
     CHECK(second_hull["name"] == "UCX_crate_000_01");
     CHECK(second_hull["extensions"]["KHR_physics_rigid_bodies"]["collider"]["geometry"]["node"] == 3);
     hulls.pop_back();
@@ -340,12 +340,12 @@ TEST_CASE("model: bonds, hulls and rigid bodies in a GLB file") {
     CHECK(refused.error().status == Status::invalid_setting);
 }
 
-TEST_CASE("model: pieces as they lie: nodes have their poses in GLB, coordinates and normals are turned elsewhere") {
+TEST_CASE("model: poses are node transforms in GLB and transformed coordinates elsewhere") {
     const test::Folder folder;
     const Model crate = imported(meshes / "crate.obj");
     const Cut pieces = cut(crate, 9);
     std::vector<PiecePose> poses;
-    std::vector<glm::dmat3> turns; // by Rodrigues' formula, not by quaternions
+    std::vector<glm::dmat3> turns; // by Rodrigues' formula, independent of quaternions
     for (size_t p = 0; p < pieces.fragments.pieces.size(); ++p) {
         const double angle = 0.4 + static_cast<double>(p), c = std::cos(angle), s = std::sin(angle);
         const glm::dvec3 a = glm::normalize(glm::dvec3(1.0, 0.5 * static_cast<double>(p) - 1.0, 0.3));
@@ -372,7 +372,7 @@ TEST_CASE("model: pieces as they lie: nodes have their poses in GLB, coordinates
             }
             CHECK(signed_volume(back.mesh.positions, back.mesh.triangles)
                   == doctest::Approx(piece.mass.volume).epsilon(1e-5));
-            double worst = 1.0; // normals look outwards, as their triangles do
+            double worst = 1.0; // normals agree with the orientation of their triangles
             for (size_t t = 0; t < back.mesh.triangles.size() && !back.normals.empty(); ++t) {
                 const Triangle& at = back.mesh.triangles[t];
                 const glm::dvec3 across = glm::cross(back.mesh.positions[at.y] - back.mesh.positions[at.x],
@@ -392,7 +392,7 @@ TEST_CASE("model: pieces as they lie: nodes have their poses in GLB, coordinates
     CHECK_FALSE(fs::exists(folder.path / "d_000.glb"));
 }
 
-TEST_CASE("model: cuts have texture coordinates by their planes where sites are not known") {
+TEST_CASE("model: without sites, cuts have texture coordinates by their planes") {
     const test::Folder folder;
     Model plain;
     plain.mesh = cube(1.0);
@@ -404,7 +404,7 @@ TEST_CASE("model: cuts have texture coordinates by their planes where sites are 
     for (size_t t = 0; t < back.mesh.triangles.size(); ++t) {
         if (back.materials[back.material_of[t]].name != "interior") continue;
         const Triangle& at = back.mesh.triangles[t];
-        for (int k = 0; k < 3; ++k) { // metres: as long in the texture as in space
+        for (int k = 0; k < 3; ++k) { // metres: equal lengths in texture and space
             const auto a = 3 * t + static_cast<size_t>(k), b = 3 * t + static_cast<size_t>((k + 1) % 3);
             CHECK(double(glm::distance(back.uv[0][a], back.uv[0][b]))
                   == doctest::Approx(glm::distance(back.mesh.positions[at[k]], back.mesh.positions[at[(k + 1) % 3]]))
@@ -435,7 +435,7 @@ TEST_CASE("model: an image for the cuts, and one that could not be read") {
     CHECK(!read_image(meshes / "cube.obj"));
 }
 
-TEST_CASE("model: unknown endings are refused with those that can be written") {
+TEST_CASE("model: unknown extensions are refused with a list of writable ones") {
     const Cut pieces = cut(imported(meshes / "crate.obj"), 2);
     for (const char* name : {"a.fbx", "a", "a.gltf"}) {
         const auto refused = export_pieces(name, pieces.fragments, pieces.certificate);
@@ -446,7 +446,7 @@ TEST_CASE("model: unknown endings are refused with those that can be written") {
 }
 
 TEST_CASE("model: a sparse accessor moves the vertices that it names") {
-    // A tetrahedron of zeros but for three sparse corners.
+    // A tetrahedron of zeros with three sparse corners.
     const test::Folder folder;
     const std::string text = R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],
 "meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}],
@@ -496,11 +496,11 @@ TEST_CASE("model: an image that a file names often is not copied each time") {
         for (const Image& image : model.images) sum += image.bytes.size();
         CHECK(sum >= png.size());
         CHECK(sum <= 4 * (png.size() + 10'000));
-        if (std::string_view(name) != "a.gltf") CHECK(model.materials.size() <= 51); // one more that the cube names
+        if (std::string_view(name) != "a.gltf") CHECK(model.materials.size() <= 51); // plus the one of the cube
     }
 }
 
-TEST_CASE("model: another mesh keeps the looks of the triangles it was made from") {
+TEST_CASE("model: replace_mesh keeps the attributes of the source triangles") {
     Model model = imported(meshes / "crate.glb");
     const Model before = model;
     TriangleMesh mesh = model.mesh;

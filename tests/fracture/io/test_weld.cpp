@@ -15,7 +15,7 @@ TEST_CASE("welding an empty mesh gives an empty mesh") {
     CHECK(welded.triangles.empty());
 }
 
-TEST_CASE("welding drops triangles that come to name a vertex twice, and vertices that no one uses") {
+TEST_CASE("welding drops degenerate triangles and unused vertices") {
     const TriangleMesh mesh{{{9, 9, 9}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 0, 0}, {5, 5, 5}},
                             {{1, 2, 3}, {1, 2, 4}, {5, 5, 1}}};
     const TriangleMesh welded = weld(mesh);
@@ -37,7 +37,7 @@ TEST_CASE("coordinates swapped between axes do not weld") {
 }
 
 TEST_CASE("a soup of separate triangles welds back to the mesh it was made from") {
-    // A fan over random points: all vertices differ, each is used again and again.
+    // A fan over random points: all vertices differ, and each is used many times.
     Random random(7);
     const Box box{glm::dvec3(-1.0), glm::dvec3(1.0)};
     TriangleMesh mesh;
