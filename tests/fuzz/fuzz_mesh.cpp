@@ -1,4 +1,4 @@
-// One reader of mesh files, the one of FUZZ_FORMAT.
+// Fuzzes the reader of one mesh format, chosen by FUZZ_FORMAT.
 #include <algorithm>
 #include <cmath>
 #include <span>
@@ -16,7 +16,7 @@ namespace {
 constexpr std::string_view format = FUZZ_FORMAT;
 
 Result<Model> read(std::span<const std::byte> bytes) {
-    Companions companions(BRITTLE_CORPUS "/meshes"); // the files that an input may name
+    Companions companions(BRITTLE_CORPUS "/meshes"); // the files that an input may refer to
     if constexpr (format != "mtl") return read_model("." FUZZ_FORMAT, bytes, companions);
     Model model;
     read_mtl({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, companions, model);
@@ -28,7 +28,7 @@ void check_indices(const TriangleMesh& mesh) {
         fuzz::require(std::max({t.x, t.y, t.z}) < mesh.positions.size(), "a triangle names a vertex that is not there");
 }
 
-// Lists of looks are whole or empty, and nothing names what is not there.
+// Attribute lists are complete or empty, and all indices are valid.
 void check_looks(const Model& model) {
     const size_t triangles = model.mesh.triangles.size();
     const auto check_size = [](size_t size, size_t whole) {
@@ -64,13 +64,13 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     const TriangleMesh& mesh = model->mesh;
     check_indices(mesh);
     check_looks(*model);
-    // A vertex or a corner takes a byte at the least, but nodes of glTF may show one mesh many times.
+    // A vertex or a corner takes at least one byte, but glTF nodes may use one mesh many times.
     if (format != "gltf") {
         fuzz::require(mesh.positions.size() <= size && mesh.triangles.size() <= size, "more comes out than goes in");
     }
     const bool finite = std::all_of(mesh.positions.begin(), mesh.positions.end(), [](const glm::dvec3& p) {
         return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
     });
-    if (finite) check_indices(weld(mesh)); // as import_model does
+    if (finite) check_indices(weld(mesh)); // as in import_model()
     return 0;
 }

@@ -1,4 +1,4 @@
-// Recipes. One that can be read is the same after writing and reading it again.
+// Fuzzes the reader of recipes: a valid recipe is unchanged after writing and reading it again.
 #include "tests/fuzz/oracle.h"
 #include "tools/brittle/base/failure.h"
 #include "tools/brittle/recipe/recipe.h"

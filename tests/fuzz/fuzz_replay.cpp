@@ -1,4 +1,4 @@
-// Replay logs. One that can be read is the same after writing and reading it again.
+// Fuzzes the reader of replay logs: a valid log is unchanged after writing and reading it again.
 #include "tests/fuzz/oracle.h"
 #include "tests/tools/log_text.h"
 #include "tools/brittle/base/failure.h"

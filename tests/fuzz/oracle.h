@@ -1,5 +1,5 @@
-// What every reader promises about any bytes, beyond that it does not crash. A broken promise ends the
-// program, which makes it a finding of the fuzzer.
+// The promises of every reader for arbitrary bytes, besides not to crash. A broken promise ends the program, which the
+// fuzzer reports as a finding.
 #pragma once
 
 #include <cstddef>
@@ -15,10 +15,11 @@
 
 namespace brittle::fuzz {
 
-// Processor time, because the machine may be busy. Under sanitizers, at most so many seconds a file.
-constexpr double longest_reading = 2.0;
-// Bytes; a message is read by a person.
-constexpr size_t longest_message = 2000;
+// The maximum processor time per file, in seconds, under sanitizers too. Processor time, because the machine may be
+// busy.
+constexpr double max_seconds = 2.0;
+// The maximum length of a message in bytes: a person reads it.
+constexpr size_t max_message_length = 2000;
 
 inline void require(bool holds, const char* what) {
     if (holds) return;
@@ -26,10 +27,10 @@ inline void require(bool holds, const char* what) {
     std::abort();
 }
 
-// Says what is wrong, and nothing that a terminal would obey.
+// Checks that an error has a message without terminal control characters.
 inline void check_message(const std::string& message) {
     require(!message.empty(), "an error without a message");
-    require(message.size() <= longest_message, "an endless message");
+    require(message.size() <= max_message_length, "an endless message");
     for (const char c : message) require(static_cast<unsigned char>(c) >= 0x20, "a control character in a message");
 }
 
@@ -40,14 +41,14 @@ class TimeGuard {
     TimeGuard& operator=(const TimeGuard&) = delete;
     ~TimeGuard() {
         const double seconds = static_cast<double>(std::clock() - begin_) / CLOCKS_PER_SEC;
-        require(seconds < longest_reading, "reading takes too long");
+        require(seconds < max_seconds, "reading takes too long");
     }
 
   private:
     std::clock_t begin_ = std::clock();
 };
 
-// A file in memory with the bytes, for readers that take a path.
+// A file in memory with these bytes, for readers that take a path.
 class MemoryFile {
   public:
     MemoryFile(const uint8_t* data, size_t size) : descriptor_(::memfd_create("input", 0)) {
