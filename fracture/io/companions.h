@@ -19,11 +19,11 @@ namespace brittle::fracture {
 // Each file is read once, however often the mesh refers to it, so a small mesh file cannot take up much memory.
 class Companions {
   public:
-    // without_looks: the caller needs geometry only, so materials and images are not read.
-    explicit Companions(std::filesystem::path folder, bool without_looks = false)
-        : folder_(std::move(folder)), without_looks_(without_looks) {}
+    // geometry_only: the caller needs geometry only, so materials and images are not read.
+    explicit Companions(std::filesystem::path folder, bool geometry_only = false)
+        : folder_(std::move(folder)), geometry_only_(geometry_only) {}
 
-    [[nodiscard]] bool wants_looks() const { return !without_looks_; }
+    [[nodiscard]] bool wants_attributes() const { return !geometry_only_; }
 
     // Returns the content of the file with this name, a relative path with / or \. Valid as long as this object.
     Result<std::span<const std::byte>> read(const std::string& name);
@@ -33,7 +33,7 @@ class Companions {
 
   private:
     std::filesystem::path folder_;
-    bool without_looks_;
+    bool geometry_only_;
     uint64_t size_ = 0;
     std::map<std::filesystem::path, std::vector<std::byte>> files_;
 };

@@ -27,7 +27,7 @@ Error unsupported(const std::filesystem::path& file, const std::string& extensio
     return {Status::unsupported_format, file.string() + ": " + what + "; convert the mesh to one of " + readable};
 }
 
-Result<Model> without_looks(Result<TriangleMesh> mesh) {
+Result<Model> model_of(Result<TriangleMesh> mesh) {
     if (!mesh) return mesh.error();
     Model model;
     model.mesh = std::move(*mesh);
@@ -46,14 +46,14 @@ Result<void> check_finite(const TriangleMesh& mesh) {
     return {};
 }
 
-Result<Model> import_and_weld(const std::filesystem::path& file, bool with_looks) {
+Result<Model> import_and_weld(const std::filesystem::path& file, bool with_attributes) {
     const std::string extension = lower_case_extension(file);
     const std::vector<std::string>& known = importable_extensions();
     if (std::find(known.begin(), known.end(), extension) == known.end()) return unsupported(file, extension);
 
     const Result<std::vector<std::byte>> bytes = read_file(file);
     if (!bytes) return bytes.error();
-    Companions companions(file.parent_path(), !with_looks);
+    Companions companions(file.parent_path(), !with_attributes);
     Result<Model> model = read_model(extension, *bytes, companions);
     if (!model) return Error{model.error().status, file.string() + ": " + model.error().message};
     if (const Result<void> finite = check_finite(model->mesh); !finite) {
@@ -73,9 +73,9 @@ Result<Model> import_and_weld(const std::filesystem::path& file, bool with_looks
 }
 
 // The readers do not throw, but allocation and the JSON library do when memory runs out.
-Result<Model> import(const std::filesystem::path& file, bool with_looks) {
+Result<Model> import(const std::filesystem::path& file, bool with_attributes) {
     try {
-        return import_and_weld(file, with_looks);
+        return import_and_weld(file, with_attributes);
     } catch (const std::exception& exception) {
         return Error{Status::malformed_file, file.string() + ": cannot be read: " + exception.what()};
     }
@@ -86,8 +86,8 @@ Result<Model> import(const std::filesystem::path& file, bool with_looks) {
 Result<Model> read_model(std::string_view extension, std::span<const std::byte> bytes, Companions& companions) {
     const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     if (extension == ".obj") return read_obj(text, companions);
-    if (extension == ".stl") return without_looks(read_stl(bytes));
-    if (extension == ".3ds") return without_looks(read_3ds(bytes));
+    if (extension == ".stl") return model_of(read_stl(bytes));
+    if (extension == ".3ds") return model_of(read_3ds(bytes));
     if (extension == ".ply") return read_ply(bytes, companions);
     if (extension == ".off") return read_off(text);
     return read_gltf(bytes, companions);

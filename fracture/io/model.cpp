@@ -34,7 +34,7 @@ void rearrange(std::vector<T>& list, std::span<const uint32_t> from, const T& no
     list = std::move(result);
 }
 
-void rearrange_looks(Model& model, const std::vector<uint32_t>& corners, std::span<const uint32_t> triangles) {
+void rearrange_attributes(Model& model, const std::vector<uint32_t>& corners, std::span<const uint32_t> triangles) {
     for (auto& set : model.uv) rearrange(set, corners, glm::vec2(0.0f));
     rearrange(model.normals, corners, glm::vec3(0.0f));
     rearrange(model.colours, corners, glm::vec4(1.0f));
@@ -63,7 +63,7 @@ bool is_turned(const std::array<uint32_t, 3>& order) {
 } // namespace
 
 void append_triangle(Model& model, const Triangle& triangle, uint32_t material,
-                     std::span<const CornerLook, 3> corners) {
+                     std::span<const CornerAttributes, 3> corners) {
     const size_t at = model.mesh.triangles.size();
     for (size_t k = 0; k < 3; ++k) {
         for (size_t set = 0; set < model.uv.size(); ++set)
@@ -91,7 +91,7 @@ void keep_triangles(Model& model, TriangleMesh mesh, std::span<const uint32_t> k
     corners.reserve(3 * kept.size());
     for (const uint32_t t : kept)
         for (uint32_t k = 0; k < 3; ++k) corners.push_back(3 * t + k);
-    rearrange_looks(model, corners, kept);
+    rearrange_attributes(model, corners, kept);
 }
 
 void replace_mesh(Model& model, TriangleMesh mesh, std::span<const uint32_t> source) {
@@ -103,7 +103,7 @@ void replace_mesh(Model& model, TriangleMesh mesh, std::span<const uint32_t> sou
         for (size_t k = 0; k < 3; ++k) from[3 * t + k] = 3 * source[t] + order[k];
         if (is_turned(order)) turned.push_back(t);
     }
-    rearrange_looks(model, from, source);
+    rearrange_attributes(model, from, source);
     if (!model.normals.empty())
         for (const size_t t : turned)
             for (size_t k = 0; k < 3; ++k) model.normals[3 * t + k] = -model.normals[3 * t + k];

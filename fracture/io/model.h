@@ -87,14 +87,15 @@ struct Model {
 };
 
 // The attributes of a corner. The comments give the value of a missing one.
-struct CornerLook {
+struct CornerAttributes {
     std::array<std::optional<glm::vec2>, 2> uv{}; // (0, 0)
     std::optional<glm::vec3> normal{};            // zero
     std::optional<glm::vec4> colour{};            // white
 };
 
 // Appends a triangle of existing vertices.
-void append_triangle(Model& model, const Triangle& triangle, uint32_t material, std::span<const CornerLook, 3> corners);
+void append_triangle(Model& model, const Triangle& triangle, uint32_t material,
+                     std::span<const CornerAttributes, 3> corners);
 // Completes the attribute lists. Call it after the last append_triangle().
 void complete_corners(Model& model);
 

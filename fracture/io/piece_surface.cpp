@@ -156,7 +156,7 @@ class PartBuilder {
     [[nodiscard]] std::array<Corner, 3> exterior_corners(uint32_t t, uint32_t source) const {
         std::array<Corner, 3> corners{};
         for (size_t k = 0; k < 3; ++k) corners[k].vertex = fragments_.triangles_of(piece_)[t][static_cast<int>(k)];
-        if (!has_looks()) return corners;
+        if (!has_attributes()) return corners;
         const auto weights = barycentrics(source_->mesh, fragments_, piece_, piece_.triangles.begin + t);
         const auto mix = [&](const auto& list, size_t k) {
             const glm::vec3 w(weights[k]);
@@ -174,7 +174,7 @@ class PartBuilder {
         return corners;
     }
 
-    [[nodiscard]] bool has_looks() const {
+    [[nodiscard]] bool has_attributes() const {
         return source_
                && !(source_->uv[0].empty() && source_->uv[1].empty() && source_->colours.empty()
                     && source_->normals.empty());

@@ -7,7 +7,7 @@
 #include <glm/mat4x4.hpp>
 
 #include "fracture/io/gltf_document.h"
-#include "fracture/io/gltf_looks.h"
+#include "fracture/io/gltf_materials.h"
 #include "fracture/io/readers.h"
 #include "fracture/io/text_cursor.h"
 
@@ -27,13 +27,14 @@ struct Vertices {
 
 class GltfReader {
   public:
-    explicit GltfReader(Document& document) : document_(document), wants_looks_(document.companions().wants_looks()) {}
+    explicit GltfReader(Document& document)
+        : document_(document), wants_attributes_(document.companions().wants_attributes()) {}
 
     Result<Model> read() {
         if (Result<void> done = check_extensions(); !done) return done.error();
         Result<std::vector<uint64_t>> roots = root_nodes();
         if (!roots) return roots.error();
-        if (wants_looks_) read_looks(document_, model_);
+        if (wants_attributes_) read_materials(document_, model_);
         if (Result<void> done = read_nodes(*roots); !done) return done.error();
         complete_corners(model_);
         return std::move(model_);
@@ -199,8 +200,8 @@ class GltfReader {
         }
         Vertices vertices{static_cast<uint32_t>(model_.mesh.positions.size()), world, *positions};
         uint32_t material = no_material;
-        if (wants_looks_) {
-            read_vertex_looks(*attributes, vertices);
+        if (wants_attributes_) {
+            read_vertex_attributes(*attributes, vertices);
             const auto named = unsigned_member(primitive, "material", no_material);
             if (named && *named < model_.materials.size()) material = static_cast<uint32_t>(*named);
         }
@@ -208,7 +209,7 @@ class GltfReader {
     }
 
     // Faulty attributes are omitted, with a note.
-    void read_vertex_looks(const Json& attributes, Vertices& vertices) {
+    void read_vertex_attributes(const Json& attributes, Vertices& vertices) {
         const auto find = [&](const char* name,
                               std::initializer_list<std::string_view> types) -> std::optional<Accessor> {
             if (member(attributes, name) == nullptr) return std::nullopt;
@@ -240,10 +241,11 @@ class GltfReader {
         const auto add = [&](size_t a, size_t b, size_t c) {
             if (mirrored) std::swap(b, c);
             const Triangle local(corners[a], corners[b], corners[c]);
-            if (!wants_looks_) return model_.mesh.triangles.push_back(local + vertices.base);
+            if (!wants_attributes_) return model_.mesh.triangles.push_back(local + vertices.base);
             append_triangle(model_, local + vertices.base, material,
-                            std::array{look(vertices, local.x, of_normals), look(vertices, local.y, of_normals),
-                                       look(vertices, local.z, of_normals)});
+                            std::array{attributes_of(vertices, local.x, of_normals),
+                                       attributes_of(vertices, local.y, of_normals),
+                                       attributes_of(vertices, local.z, of_normals)});
         };
         if (mode == 4) {
             if (corners.size() % 3 != 0) {
@@ -270,8 +272,8 @@ class GltfReader {
         return glm::determinant(m) < 0.0 ? -cofactors : cofactors;
     }
 
-    static CornerLook look(const Vertices& vertices, uint32_t v, const glm::dmat3& of_normals) {
-        CornerLook result;
+    static CornerAttributes attributes_of(const Vertices& vertices, uint32_t v, const glm::dmat3& of_normals) {
+        CornerAttributes result;
         const auto vector = [v](const Accessor& accessor, int count) {
             glm::dvec4 value(0.0);
             for (int k = 0; k < count; ++k) {
@@ -296,7 +298,7 @@ class GltfReader {
     }
 
     Document& document_;
-    bool wants_looks_;
+    bool wants_attributes_;
     Model model_;
 };
 

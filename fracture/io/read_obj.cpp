@@ -15,8 +15,6 @@
 namespace brittle::fracture {
 namespace {
 
-constexpr uint32_t none = ~0u;
-
 class ObjReader {
   public:
     ObjReader(std::string_view text, Companions& companions) : cursor_(text), companions_(companions) {}
@@ -38,7 +36,7 @@ class ObjReader {
 
   private:
     struct Corner {
-        uint32_t vertex, uv, normal; // none where the corner has none
+        uint32_t vertex, uv, normal; // no_index where the corner has none
     };
     struct Face {
         uint32_t corners;
@@ -54,7 +52,7 @@ class ObjReader {
     Result<void> read_line(std::string_view keyword) {
         if (keyword == "v") return read_vertex();
         if (keyword == "f") return read_face();
-        if (!companions_.wants_looks()) return {};
+        if (!companions_.wants_attributes()) return {};
         if (keyword == "vt") {
             const auto at = numbers<2>();
             uv_.emplace_back(at[0], 1.0f - at[1]); // v points up in OBJ
@@ -81,7 +79,7 @@ class ObjReader {
             }
             position[k] = *value;
         }
-        if (companions_.wants_looks()) read_colour();
+        if (companions_.wants_attributes()) read_colour();
         positions().push_back(position);
         return {};
     }
@@ -121,10 +119,10 @@ class ObjReader {
                                                      + std::to_string(positions().size())
                                                      + " are known, counted from 1");
             }
-            Corner corner{*vertex, none, none};
-            if (at != end && companions_.wants_looks()) {
-                corner.uv = index(++at, end, uv_.size()).value_or(none);
-                if (at != end && *at == '/') corner.normal = index(++at, end, normals_.size()).value_or(none);
+            Corner corner{*vertex, no_index, no_index};
+            if (at != end && companions_.wants_attributes()) {
+                corner.uv = index(++at, end, uv_.size()).value_or(no_index);
+                if (at != end && *at == '/') corner.normal = index(++at, end, normals_.size()).value_or(no_index);
             }
             if (corner.vertex >= highest_corner_) {
                 highest_corner_ = corner.vertex;
@@ -186,9 +184,10 @@ class ObjReader {
             if (!triangles) return Error{Status::malformed_file, PolygonSplitter::too_tangled};
             for (const Triangle& t : *triangles) {
                 const Triangle of_mesh(vertices[t.x], vertices[t.y], vertices[t.z]);
-                if (companions_.wants_looks())
+                if (companions_.wants_attributes())
                     append_triangle(model_, of_mesh, face.material,
-                                    std::array{look(corners[t.x]), look(corners[t.y]), look(corners[t.z])});
+                                    std::array{attributes_of(corners[t.x]), attributes_of(corners[t.y]),
+                                               attributes_of(corners[t.z])});
                 else
                     model_.mesh.triangles.push_back(of_mesh);
             }
@@ -197,8 +196,8 @@ class ObjReader {
         return {};
     }
 
-    [[nodiscard]] CornerLook look(const Corner& corner) const {
-        CornerLook result;
+    [[nodiscard]] CornerAttributes attributes_of(const Corner& corner) const {
+        CornerAttributes result;
         if (corner.uv < uv_.size()) result.uv[0] = uv_[corner.uv];
         if (corner.normal < normals_.size()) {
             const float length = glm::length(normals_[corner.normal]);

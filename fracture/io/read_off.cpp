@@ -76,21 +76,21 @@ class OffReader {
             position[k] = *value;
         }
         model_.mesh.positions.push_back(position);
-        looks_.push_back(read_look());
+        attributes_.push_back(read_attributes());
         cursor_.next_line();
         return {};
     }
 
     // Reads normals and colours, as far as present.
-    CornerLook read_look() {
-        CornerLook look;
+    CornerAttributes read_attributes() {
+        CornerAttributes attributes;
         if (has_normals_) {
             glm::dvec3 normal(0.0);
             for (int k = 0; k < 3; ++k) normal[k] = parse_number(cursor_.token()).value_or(0.0);
             const double length = glm::length(normal);
-            if (length > 0.0 && std::isfinite(length)) look.normal = glm::vec3(normal / length);
+            if (length > 0.0 && std::isfinite(length)) attributes.normal = glm::vec3(normal / length);
         }
-        if (!has_colours_) return look;
+        if (!has_colours_) return attributes;
         glm::dvec4 colour(1.0);
         bool is_whole = true; // integers from 0 to 255, otherwise 0.0 to 1.0
         for (int k = 0; k < 4; ++k) {
@@ -100,14 +100,14 @@ class OffReader {
                 colour.w = is_whole ? 255.0 : 1.0;
                 break;
             }
-            if (!value || !(*value >= 0.0 && *value <= 255.0)) return look;
+            if (!value || !(*value >= 0.0 && *value <= 255.0)) return attributes;
             is_whole = is_whole && token.find('.') == token.npos;
             colour[k] = *value;
         }
         if (is_whole) colour /= 255.0;
         for (int k = 0; k < 3; ++k) colour[k] = linear_of_srgb(std::min(colour[k], 1.0));
-        look.colour = glm::vec4(colour);
-        return look;
+        attributes.colour = glm::vec4(colour);
+        return attributes;
     }
 
     Result<void> read_face(uint64_t index) {
@@ -127,8 +127,9 @@ class OffReader {
         const auto triangles = splitter_.split(model_.mesh.positions, corners_);
         if (!triangles) return malformed(PolygonSplitter::too_tangled);
         for (const Triangle& t : *triangles)
-            append_triangle(model_, {corners_[t.x], corners_[t.y], corners_[t.z]}, no_material,
-                            std::array{looks_[corners_[t.x]], looks_[corners_[t.y]], looks_[corners_[t.z]]});
+            append_triangle(
+                model_, {corners_[t.x], corners_[t.y], corners_[t.z]}, no_material,
+                std::array{attributes_[corners_[t.x]], attributes_[corners_[t.y]], attributes_[corners_[t.z]]});
         cursor_.next_line(); // colours
         return {};
     }
@@ -137,7 +138,7 @@ class OffReader {
     size_t size_;
     bool has_colours_ = false, has_normals_ = false;
     Model model_;
-    std::vector<CornerLook> looks_; // per vertex
+    std::vector<CornerAttributes> attributes_; // per vertex
     PolygonSplitter splitter_;
     std::vector<uint32_t> corners_;
 };

@@ -122,7 +122,7 @@ class Numbers {
 };
 
 // Reads the properties of a vertex besides its position.
-class VertexLook {
+class VertexAttributes {
   public:
     void set(const Property& property, double value) {
         constexpr std::array<std::string_view, 13> names = {"nx", "ny", "nz", "red", "green",     "blue",     "alpha",
@@ -144,13 +144,13 @@ class VertexLook {
         }
     }
 
-    [[nodiscard]] CornerLook finish() const {
-        CornerLook look;
+    [[nodiscard]] CornerAttributes finish() const {
+        CornerAttributes attributes;
         const double length = glm::length(normal_);
-        if (has_normal_ && length > 0.0) look.normal = glm::vec3(normal_ / length);
-        if (has_colour_) look.colour = glm::vec4(colour_);
-        if (has_uv_) look.uv[0] = glm::vec2(uv_[0], 1.0 - uv_[1]); // v points up in PLY
-        return look;
+        if (has_normal_ && length > 0.0) attributes.normal = glm::vec3(normal_ / length);
+        if (has_colour_) attributes.colour = glm::vec4(colour_);
+        if (has_uv_) attributes.uv[0] = glm::vec2(uv_[0], 1.0 - uv_[1]); // v points up in PLY
+        return attributes;
     }
 
   private:
@@ -254,11 +254,11 @@ class PlyReader {
             return numbers.place(header_size_) + ", " + printable(element.name) + " " + std::to_string(k);
         };
         if (element.properties.empty()) return {};
-        if (element.name == "face" && companions_.wants_looks()) read_textures();
+        if (element.name == "face" && companions_.wants_attributes()) read_textures();
         const bool is_vertex = element.name == "vertex";
         for (uint64_t k = 0; k < element.count; ++k) {
             glm::dvec3 position(0.0);
-            VertexLook look;
+            VertexAttributes attributes;
             corners_.clear();
             uv_of_corners_.clear();
             texture_ = 0;
@@ -268,7 +268,7 @@ class PlyReader {
                     if (property.name == "x") position.x = value;
                     if (property.name == "y") position.y = value;
                     if (property.name == "z") position.z = value;
-                    if (is_vertex && companions_.wants_looks()) look.set(property, value);
+                    if (is_vertex && companions_.wants_attributes()) attributes.set(property, value);
                     if (property.name == "texnumber" && value >= 0.0 && value < 1e6)
                         texture_ = static_cast<uint32_t>(value);
                 } else if (Result<void> done = read_list(element, property, numbers, [&] { return place_of(k); });
@@ -282,7 +282,7 @@ class PlyReader {
                                  "a number is expected, but found " + quoted(std::string_view(numbers.bad)));
             if (is_vertex) {
                 model_.mesh.positions.push_back(position);
-                if (companions_.wants_looks()) looks_.push_back(look.finish());
+                if (companions_.wants_attributes()) attributes_.push_back(attributes.finish());
             }
             if (corners_.empty()) continue;
             if (!append_face()) return malformed(place_of(k), PolygonSplitter::too_tangled);
@@ -295,7 +295,7 @@ class PlyReader {
         const double count = numbers.next(*property.count);
         const bool is_face =
             element.name == "face" && (property.name == "vertex_indices" || property.name == "vertex_index");
-        const bool is_uv = element.name == "face" && property.name == "texcoord" && companions_.wants_looks();
+        const bool is_uv = element.name == "face" && property.name == "texcoord" && companions_.wants_attributes();
         // A face may have several lists.
         const bool is_too_long = count + static_cast<double>(corners_.size()) > max_polygon_corners;
         if (!(count >= 0.0) || (is_face && (count < 3.0 || is_too_long)))
@@ -325,16 +325,17 @@ class PlyReader {
         const auto triangles = splitter_.split(model_.mesh.positions, corners_);
         if (!triangles) return false;
         const bool has_uv = uv_of_corners_.size() == 2 * corners_.size();
-        const auto look = [&](uint32_t k) {
-            CornerLook result = corners_[k] < looks_.size() ? looks_[corners_[k]] : CornerLook{};
+        const auto attributes_of = [&](uint32_t k) {
+            CornerAttributes result = corners_[k] < attributes_.size() ? attributes_[corners_[k]] : CornerAttributes{};
             if (has_uv) result.uv[0] = glm::vec2(uv_of_corners_[2 * k], 1.0f - uv_of_corners_[2 * k + 1]);
             return result;
         };
         const uint32_t material = texture_ < model_.materials.size() ? texture_ : no_material;
         for (const Triangle& t : *triangles) {
             const Triangle of_mesh(corners_[t.x], corners_[t.y], corners_[t.z]);
-            if (companions_.wants_looks())
-                append_triangle(model_, of_mesh, material, std::array{look(t.x), look(t.y), look(t.z)});
+            if (companions_.wants_attributes())
+                append_triangle(model_, of_mesh, material,
+                                std::array{attributes_of(t.x), attributes_of(t.y), attributes_of(t.z)});
             else
                 model_.mesh.triangles.push_back(of_mesh);
         }
@@ -376,7 +377,7 @@ class PlyReader {
     std::vector<Element> elements_;
     Companions& companions_;
     Model model_;
-    std::vector<CornerLook> looks_; // per vertex
+    std::vector<CornerAttributes> attributes_; // per vertex
     std::vector<std::string> texture_files_;
     PolygonSplitter splitter_;
     // Of the current face.

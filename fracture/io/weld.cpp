@@ -2,12 +2,9 @@
 
 #include <bit>
 #include <cassert>
-#include <limits>
 
 namespace brittle::fracture {
 namespace {
-
-constexpr uint32_t none = std::numeric_limits<uint32_t>::max();
 
 // Three words that are equal exactly where two positions are.
 struct Key {
@@ -35,13 +32,13 @@ uint64_t hash(const Key& key) {
 std::vector<uint32_t> first_at_same_position(const std::vector<glm::dvec3>& positions) {
     // Open addressing with linear probing, at most half full. The result does not depend on the order of slots.
     const size_t slots = std::bit_ceil(positions.size() * 2 + 1);
-    std::vector<uint32_t> table(slots, none);
+    std::vector<uint32_t> table(slots, no_index);
     std::vector<uint32_t> first(positions.size());
     for (uint32_t v = 0; v < positions.size(); ++v) {
         const Key key = key_of(positions[v]);
         size_t slot = hash(key) & (slots - 1);
-        while (table[slot] != none && key_of(positions[table[slot]]) != key) slot = (slot + 1) & (slots - 1);
-        if (table[slot] == none) table[slot] = v;
+        while (table[slot] != no_index && key_of(positions[table[slot]]) != key) slot = (slot + 1) & (slots - 1);
+        if (table[slot] == no_index) table[slot] = v;
         first[v] = table[slot];
     }
     return first;
@@ -50,7 +47,7 @@ std::vector<uint32_t> first_at_same_position(const std::vector<glm::dvec3>& posi
 } // namespace
 
 TriangleMesh weld(const TriangleMesh& mesh, std::vector<uint32_t>* kept) {
-    assert(mesh.positions.size() < none);
+    assert(mesh.positions.size() < no_index);
     const std::vector<uint32_t> first = first_at_same_position(mesh.positions);
 
     TriangleMesh result;
@@ -66,7 +63,7 @@ TriangleMesh weld(const TriangleMesh& mesh, std::vector<uint32_t>* kept) {
         if (kept) kept->push_back(static_cast<uint32_t>(&t - mesh.triangles.data()));
     }
 
-    std::vector<uint32_t> renumbered(mesh.positions.size(), none);
+    std::vector<uint32_t> renumbered(mesh.positions.size(), no_index);
     for (uint32_t v = 0; v < mesh.positions.size(); ++v) {
         if (!used[v]) continue;
         renumbered[v] = static_cast<uint32_t>(result.positions.size());

@@ -10,7 +10,7 @@
 
 #include "fracture/io/bytes.h"
 #include "fracture/io/certificate_json.h"
-#include "fracture/io/glb_looks.h"
+#include "fracture/io/glb_materials.h"
 #include "fracture/io/piece_surface.h"
 #include "fracture/io/rigid_body_json.h"
 #include "fracture/io/writers.h"
@@ -117,7 +117,7 @@ class GlbWriter {
         document["nodes"] = std::move(nodes_);
         if (!meshes_.empty()) { // glTF forbids empty lists
             document["meshes"] = std::move(meshes_);
-            looks_.add_to(document, extensions_, [this](Buffer bytes) { return views_.add(std::move(bytes)); });
+            materials_.add_to(document, extensions_, [this](Buffer bytes) { return views_.add(std::move(bytes)); });
             document["accessors"] = std::move(accessors_);
             document["bufferViews"] = views_.json();
             document["buffers"] = Json::array({{{"byteLength", views_.size()}}});
@@ -273,7 +273,7 @@ class GlbWriter {
             (*attributes)["COLOR_0"] = add_accessor("colours", std::span<const glm::vec4>(part.colours), "VEC4");
         return Json{{"attributes", std::move(*attributes)},
                     {"indices", add_indices(part.indices, positions.size())},
-                    {"material", looks_.material_of(part)}};
+                    {"material", materials_.material_of(part)}};
     }
 
     template<class T>
@@ -339,7 +339,7 @@ class GlbWriter {
     const ExportJob& job_;
     const ExportOptions& options_;
     const Model* source_;
-    GlbLooks looks_{options_};
+    GlbMaterials materials_{options_};
     std::map<uint32_t, Json> bonds_;
     Json nodes_, meshes_ = Json::array(), accessors_ = Json::array();
     Views views_;

@@ -191,7 +191,7 @@ TEST_CASE("import: one small mesh used by very many nodes is refused before it f
     const test::Folder folder;
     write(folder.path / "bomb.gltf", bomb + "]}");
     check_refused(folder.path / "bomb.gltf", Status::malformed_file,
-                  "meshes[0].primitives[0]: with it the file's nodes");
+                  "meshes[0].primitives[0]: with it the nodes of the file");
 }
 
 TEST_CASE("import: glTF indices are unsigned integers") {
@@ -252,7 +252,7 @@ TEST_CASE("import: damaged 3DS files are refused with chunk and byte") {
     check_malformed("out_of_range.3ds", "has a face 12 that names vertex 8 of 8");
     check_malformed("too_many_vertices.3ds", "chunk 4110 at byte 149 lists 900 elements");
     check_malformed("not_3ds.3ds", "does not start with the bytes 4D 4D");
-    check_malformed("endless_name.3ds", "a name without an end");
+    check_malformed("endless_name.3ds", "a name without a terminating zero");
 }
 
 TEST_CASE("import: the same cube comes out of every format, closed and right side out") {

@@ -8,6 +8,6 @@ namespace brittle::fracture::gltf {
 
 // Fills materials, textures and images of the model, with the indices of the document. A fault in one of them gives a
 // note, not an error.
-void read_looks(Document& document, Model& model);
+void read_materials(Document& document, Model& model);
 
 } // namespace brittle::fracture::gltf

@@ -1,4 +1,4 @@
-#include "fracture/io/glb_looks.h"
+#include "fracture/io/glb_materials.h"
 
 #include <algorithm>
 #include <array>
@@ -77,20 +77,20 @@ Json image_json(const Image& image, const std::function<size_t(std::vector<std::
 
 } // namespace
 
-GlbLooks::GlbLooks(const ExportOptions& options)
+GlbMaterials::GlbMaterials(const ExportOptions& options)
     : options_(options), source_materials_(options.source ? options.source->materials.size() : 0) {
     const std::vector<uint32_t> none;
     const auto& materials = options.source ? options.source->material_of : none;
     has_exterior_ = materials.empty() || std::find(materials.begin(), materials.end(), no_material) != materials.end();
 }
 
-size_t GlbLooks::material_of(const DrawnPart& part) {
+size_t GlbMaterials::material_of(const DrawnPart& part) {
     if (part.interior) return source_materials_ + (has_exterior_ ? 1 : 0);
     return part.material == no_material ? source_materials_ : part.material;
 }
 
-void GlbLooks::add_to(Json& document, std::set<std::string>& used,
-                      const std::function<size_t(std::vector<std::byte>)>& add_view) const {
+void GlbMaterials::add_to(Json& document, std::set<std::string>& used,
+                          const std::function<size_t(std::vector<std::byte>)>& add_view) const {
     Json materials = Json::array(), textures = Json::array(), images = Json::array(), samplers = Json::array();
     const auto sampler = [&](const Texture& texture) {
         Json json{{"wrapS", texture.wrap_s}, {"wrapT", texture.wrap_t}};

@@ -15,9 +15,9 @@
 
 namespace brittle::fracture {
 
-class GlbLooks {
+class GlbMaterials {
   public:
-    explicit GlbLooks(const ExportOptions& options);
+    explicit GlbMaterials(const ExportOptions& options);
 
     // The index of the material of the part.
     [[nodiscard]] size_t material_of(const DrawnPart& part);

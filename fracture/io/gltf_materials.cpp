@@ -1,4 +1,4 @@
-#include "fracture/io/gltf_looks.h"
+#include "fracture/io/gltf_materials.h"
 
 #include <cmath>
 
@@ -35,9 +35,9 @@ std::string extensions_of(const Json& object) {
     return value->dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-class LookReader {
+class MaterialReader {
   public:
-    LookReader(Document& document, Model& model) : document_(document), model_(model) {}
+    MaterialReader(Document& document, Model& model) : document_(document), model_(model) {}
 
     void read() {
         for (const Json& image : list_of(document_.json(), "images")) model_.images.push_back(read_image(image));
@@ -152,8 +152,8 @@ class LookReader {
 
 } // namespace
 
-void read_looks(Document& document, Model& model) {
-    LookReader(document, model).read();
+void read_materials(Document& document, Model& model) {
+    MaterialReader(document, model).read();
 }
 
 } // namespace brittle::fracture::gltf
