@@ -20,8 +20,8 @@ namespace brittle::fracture::triangulation {
 // Keeps its memory for the next loop.
 class SimpleLoop {
   public:
-    // Appends n - 2 counter-clockwise triangles to `out`, for the n points of the loop. ids[k] is the index of points[k]
-    // in these triangles. Returns false, with nothing appended, where the loop is not certainly simple and
+    // Appends n - 2 counter-clockwise triangles to `out`, for the n points of the loop. ids[k] is the index of
+    // points[k] in these triangles. Returns false, with nothing appended, where the loop is not certainly simple and
     // counter-clockwise.
     bool triangulate(std::span<const glm::dvec2> points, std::span<const uint32_t> ids, std::vector<Triangle>& out);
 

@@ -58,9 +58,9 @@ class Triangulator {
     // The result is valid until the next call.
     const Triangulation& run(std::span<const glm::dvec2> points, std::span<const Loop> loops);
 
-    // Triangulates as run() does, faster where every loop is simple and counter-clockwise: these loops take the fast path
-    // (simple_loop.h), and run() follows where it refuses one. Diagonals may differ from those of run(). No index may
-    // occur twice in the loops. Valid until the next call.
+    // Triangulates as run() does, faster where every loop is simple and counter-clockwise: these loops take the fast
+    // path (simple_loop.h), and run() follows where it refuses one. Diagonals may differ from those of run(). No index
+    // may occur twice in the loops. Valid until the next call.
     const Triangulation& run_simple(std::span<const glm::dvec2> points, std::span<const Loop> loops);
 
   private:
