@@ -41,7 +41,7 @@ TEST_CASE("strike: invalid values are refused by name") {
     CHECK(fault_of({.radius = nan}).find("strike 1: its radius") == 0);
     CHECK(fault_of({.at = {nan, 0.0, 0.0}}).find("strike 1: its point") == 0);
     CHECK(fault_of({.direction = glm::dvec3(0.0)}).find("strike 1: its direction") == 0);
-    CHECK(fault_of({.pieces = 0}).find("strike 1: it makes 0 pieces") == 0);
+    CHECK(fault_of({.pieces = 0}).find("strike 1: its number of pieces is 0; it must be from 1") == 0);
 }
 
 TEST_CASE("strike: no strike gives no sites, and a strike that misses leaves one piece") {
