@@ -57,7 +57,7 @@ void Islands::find(const std::vector<std::unique_ptr<Body>>& bodies, std::span<B
 // The islands of sleeping bodies are not kept: they are found again when one of the bodies is touched.
 std::span<const uint32_t> Islands::add_touched(SweepBroadphase& broadphase) {
     std::ranges::sort(touched_);
-    touched_.erase(std::ranges::unique(touched_).begin(), touched_.end());
+    touched_.erase(std::unique(touched_.begin(), touched_.end()), touched_.end());
     const auto passes = [](const SweptProxy& proxy) { return moves(proxy) && sleeps(proxy); };
     const SweepBroadphase::Connected& connected = broadphase.connected(touched_, passes);
     const auto awake = static_cast<std::ptrdiff_t>(members_.size());

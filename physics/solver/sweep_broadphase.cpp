@@ -382,7 +382,7 @@ bool SweepBroadphase::connect_few(std::span<const uint32_t> ranks, const Passes&
     }
     std::ranges::sort(connected_.ranks);
     std::ranges::sort(connected_.pairs);
-    connected_.pairs.erase(std::ranges::unique(connected_.pairs).begin(), connected_.pairs.end());
+    connected_.pairs.erase(std::unique(connected_.pairs.begin(), connected_.pairs.end()), connected_.pairs.end());
     return true;
 }
 
