@@ -205,8 +205,7 @@ Result<void> PieceArena::remove(std::span<const PieceHandle> handles) {
     Result<std::vector<size_t>> found = find(handles);
     if (!found) return found.error();
     std::ranges::sort(*found);
-    const auto repeated = std::ranges::unique(*found);
-    found->erase(repeated.begin(), repeated.end());
+    found->erase(std::unique(found->begin(), found->end()), found->end());
     size_t kept = 0, next = 0;
     for (size_t i = 0; i < pieces_.size(); ++i) {
         if (next < found->size() && (*found)[next] == i) {

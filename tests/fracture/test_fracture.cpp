@@ -355,7 +355,8 @@ TEST_CASE("pieces are closed and their volumes sum to the input's for all shapes
                                                                    {"torus", torus(40, 20)},
                                                                    {"torus knot", torus_knot(2, 3, 120, 12)},
                                                                    {"hollow sphere", hollow_sphere(3)}};
-    for (const auto& [name, mesh] : shapes) {
+    for (const auto& [case_name, mesh] : shapes) {
+        const auto name = case_name; // clang 14 captures no structured binding
         for (const uint32_t count : {1u, 2u, 10u, 40u}) {
             for (const uint64_t seed : {1u, 2u, 3u}) {
                 CAPTURE(name);

@@ -270,8 +270,9 @@ TEST_CASE("import: the same cube comes out of every format, closed and right sid
 }
 
 TEST_CASE("import: concave polygons are split inside themselves") {
-    for (const auto& [name, volume, triangles] :
+    for (const auto& [case_name, volume, triangles] :
          {std::tuple{"concave_prism.obj", 5.0, 28u}, std::tuple{"concave_quads.obj", 6.0, 12u}}) {
+        const auto name = case_name; // clang 14 captures no structured binding
         CAPTURE(name);
         const TriangleMesh mesh = import_valid(meshes / name);
         CHECK(mesh.triangles.size() == triangles);

@@ -171,8 +171,9 @@ TEST_CASE("a flat landing breaks a bond or not, independently of its time within
         }
     }
     // The solver decides how a row shares the blow among its blocks. The strengths were found by experiment.
-    for (const auto& [speed, whole, all] : {std::tuple(1.0f, 0.6, 0.33), {2.0f, 1.24, 0.65}, {4.0f, 2.45, 1.3}})
+    for (const auto& [case_speed, whole, all] : {std::tuple(1.0f, 0.6, 0.33), {2.0f, 1.24, 0.65}, {4.0f, 2.45, 1.3}})
         for (int k = 0; k < 16; ++k) {
+            const auto speed = case_speed; // clang 14 captures no structured binding
             CAPTURE(speed);
             CAPTURE(k);
             CHECK(broken_of(row_of_blocks(false), speed, whole, k) == 0);

@@ -167,7 +167,8 @@ TEST_CASE("held destruction: a ram breaks the stem without a mark at its contact
 TEST_CASE("held destruction: a ram breaks the stem although its own chip would be below the minimum size") {
     // 1 kg against 4 kg: the equivalent impulse of the faster one is enough for a cut, but its chips are below the
     // minimum size.
-    for (const auto& [speed, blows] : {std::pair(0.8f, 0u), {1.05f, 1u}}) {
+    for (const auto& [case_speed, blows] : {std::pair(0.8f, 0u), {1.05f, 1u}}) {
+        const auto speed = case_speed; // clang 14 captures no structured binding
         CAPTURE(speed);
         Mushroom mushroom(0.05f, 0.06, 0.25,
                           {.density = 10.0f, .tensile = 0.1f * weak.tensile, .fracture_energy = 1.0f});
@@ -209,7 +210,10 @@ double felt(double mass, const glm::dmat3& inertia, const glm::dvec3& arm, const
 TEST_CASE("held destruction: a head that comes off takes the blow as a free body would") {
     // A blow whose equivalent impulse is too low for the head, but whose energy breaks the stem.
     for (const double mass : {10.0, 100.0, 1000.0})
-        for (const auto& [speed, aslant] : {std::pair(1.2f, 0.0f), {3.0f, 0.0f}, {2.0f, 0.3f}, {2.0f, 0.8f}}) {
+        for (const auto& [case_speed, case_aslant] :
+             {std::pair(1.2f, 0.0f), {3.0f, 0.0f}, {2.0f, 0.3f}, {2.0f, 0.8f}}) {
+            const auto speed = case_speed;
+            const auto aslant = case_aslant; // clang 14 captures no structured binding
             CAPTURE(aslant);
             CAPTURE(mass);
             CAPTURE(speed);

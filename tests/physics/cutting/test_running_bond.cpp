@@ -100,8 +100,10 @@ TEST_CASE("running bond: no bricks without a size or a wall") {
 }
 
 TEST_CASE("running bond: the nearest bricks are those that a search of all bricks finds, also in a large wall") {
-    for (const auto& [size, radius, most] :
+    for (const auto& [case_size, radius, case_most] :
          {std::tuple(1.0, 0.3, 40u), {1.0, 0.3, 5u}, {1.0, 10.0, 1000u}, {0.25, 0.5, 40u}, {0.01, 5.0, 100u}}) {
+        const auto size = case_size;
+        const auto most = case_most; // clang 14 captures no structured binding
         CAPTURE(size);
         CAPTURE(most);
         const RunningBond bond{size * laid.brick, laid.corner};

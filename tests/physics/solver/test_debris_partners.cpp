@@ -139,8 +139,10 @@ TEST_CASE("debris: what comes into a crowd of debris falls through what carried 
                             {0.81f, false, false}, {0.12f, true, false},  {0.3f, false, true}};
     // Debris far away, and the longest plate that a block falls through then: with the blocks that lie there and those that come it is 14
     // more.
-    for (const auto& [others, longest] :
+    for (const auto& [case_others, longest] :
          {std::pair(0, 0.2f), std::pair(6, 0.2f), std::pair(16, 0.4f), std::pair(36, 0.8f)}) {
+        // clang 14 captures no structured binding
+        const auto others = case_others;
         for (const bool sleeping : {false, true}) { // the others, before the blocks come
             CAPTURE(others);
             CAPTURE(sleeping);

@@ -251,7 +251,8 @@ TEST_CASE("failures of a device are reported with an exit code and leave no half
                  {"allocate:-2:1", 1, "bytes of device memory: out of device memory"},
                  {"map:-1:1", 1, "out of host memory"},
                  {"nonsense", 2, "nonsense"}};
-    for (const auto& [faults, exit_code, said] : cases) {
+    for (const auto& [case_faults, exit_code, said] : cases) {
+        const auto faults = case_faults; // clang 14 captures no structured binding
         const Outcome outcome = render(faults);
         INFO(faults, ": ", outcome.output);
         CHECK(outcome.exit_code == exit_code);

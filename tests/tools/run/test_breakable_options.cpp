@@ -89,9 +89,10 @@ TEST_CASE("breakable: blows take out the recipe's bricks, and render warns where
                                     return std::abs(piece->mass.volume / (size.x * size.y * size.z) - 1.0) < 1e-9;
                                 })
           > 2);
-    for (const auto& [material, world, said] : {std::tuple("brick", R"("breakable": true)", false),
-                                                {"concrete", R"("breakable": true)", true},
-                                                {"brick", R"("anchored": true)", true}}) {
+    for (const auto& [case_material, world, said] : {std::tuple("brick", R"("breakable": true)", false),
+                                                     {"concrete", R"("breakable": true)", true},
+                                                     {"brick", R"("anchored": true)", true}}) {
+        const auto material = case_material; // clang 14 captures no structured binding
         CAPTURE(material);
         const Outcome outcome = run_brittle(folder, "render " + recipe(material, world).string()
                                                         + " --frames 0 --size 64x48 -o " + (folder / "a.png"));
