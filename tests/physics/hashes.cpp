@@ -234,8 +234,8 @@ void breakable(Run& run) {
     run.steps(60, destruction);
     (void)must(run.world.add_body(ball(0.1f, 8.0f, {-0.2f, 0.7f, 2.0f}, {0.0f, 0.0f, -15.0f})));
     run.steps(280, destruction);
-    std::fprintf(stderr, "    breakable: %zu pieces, %u breaks\n", destruction.pieces().size(),
-                 destruction.statistics().breaks);
+    if (run.show_steps)
+        std::printf("    %zu pieces, %u breaks\n", destruction.pieces().size(), destruction.statistics().breaks);
 }
 
 bool print(const char* name, const std::function<void(Run&)>& play, bool show_steps, WorldSettings settings = {}) {
