@@ -133,7 +133,7 @@ void GraphExecutor::create_transients(const Plan& plan) {
         heap_descs_.push_back(heap);
     }
     for (const Plan::Resource& resource : plan.resources) {
-        PassContext::Object& object = transients_.emplace_back(resource, PassContext::Object{}).object;
+        PassContext::Object& object = transients_.emplace_back(Transient{resource, {}}).object;
         if (!is_transient(resource)) continue;
         const VkDeviceMemory heap = heaps_[resource.memory.heap];
         if (resource.is_image()) {
