@@ -97,17 +97,17 @@ struct Mushroom {
 TEST_CASE("held destruction: a head on a stem stands, and falls if the stem is too thin for its weight") {
     // Concrete weighs 24 kPa a metre of height. A head of 0.5 m with 25 times the stem's area puts 0.3 MPa on the stem,
     // a hundredth of its strength of 30 MPa.
-    Mushroom strong(0.05f), weak(0.004f);
-    for (Mushroom* one : {&strong, &weak}) {
+    Mushroom strong_enough(0.05f), too_weak(0.004f);
+    for (Mushroom* one : {&strong_enough, &weak}) {
         run(one->world, one->destruction, 120);
         one->check();
     }
-    CHECK(strong.destruction.pieces().size() == 1);
-    CHECK(strong.destruction.statistics().overloads == 0);
-    CHECK(weak.destruction.pieces().size() > 1);
-    CHECK(weak.destruction.statistics().overloads >= 1);
-    CHECK(weak.destruction.statistics().failed == 0);
-    CHECK(weak.highest() < 1.0f); // the head's centre was at 1.25 m
+    CHECK(strong_enough.destruction.pieces().size() == 1);
+    CHECK(strong_enough.destruction.statistics().overloads == 0);
+    CHECK(too_weak.destruction.pieces().size() > 1);
+    CHECK(too_weak.destruction.statistics().overloads >= 1);
+    CHECK(too_weak.destruction.statistics().failed == 0);
+    CHECK(too_weak.highest() < 1.0f); // the head's centre was at 1.25 m
 }
 
 TEST_CASE("held destruction: a stem that a blow has thinned drops its load") {
