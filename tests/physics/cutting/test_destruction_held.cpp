@@ -98,7 +98,7 @@ TEST_CASE("held destruction: a head on a stem stands, and falls if the stem is t
     // Concrete weighs 24 kPa a metre of height. A head of 0.5 m with 25 times the stem's area puts 0.3 MPa on the stem,
     // a hundredth of its strength of 30 MPa.
     Mushroom strong_enough(0.05f), too_weak(0.004f);
-    for (Mushroom* one : {&strong_enough, &weak}) {
+    for (Mushroom* one : {&strong_enough, &too_weak}) {
         run(one->world, one->destruction, 120);
         one->check();
     }
