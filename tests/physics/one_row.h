@@ -1,4 +1,5 @@
-// One row, as Gauss and Seidel have it: the oracle for those that are solved side by side. Of a body beside one that never moves.
+// One iteration of projected Gauss-Seidel on a single row (physics/solver/row.h), for a body in contact with a static one: the
+// oracle for rows that are solved side by side.
 #pragma once
 
 #include <algorithm>
@@ -7,20 +8,22 @@
 
 namespace brittle::test {
 
-inline void push(const physics::Row& row, float impulse, physics::Motion& motion) {
+// dv += M^-1 J^T impulse
+inline void apply(const physics::Row& row, float impulse, physics::VelocityChange& change) {
     for (int axis = 0; axis < 3; ++axis) {
-        motion.linear[axis] += row.normal[axis] * (impulse * row.light_a);
-        motion.angular[axis] += row.turn_a[axis] * impulse;
+        change.linear[axis] += row.normal[axis] * (impulse * row.inverse_mass_a);
+        change.angular[axis] += row.inverse_inertia_angular_a[axis] * impulse;
     }
 }
 
-inline void solve(physics::Row& row, float low, float high, physics::Motion& motion) {
-    float along[3];
+// Changes the accumulated impulse within [low, high], and the velocity with it.
+inline void solve(physics::Row& row, float low, float high, physics::VelocityChange& change) {
+    float speed[3];
     for (int axis = 0; axis < 3; ++axis)
-        along[axis] = row.normal[axis] * motion.linear[axis] + row.arm_a[axis] * motion.angular[axis];
-    const float apart = (along[0] + along[1]) + along[2], before = row.impulse;
-    row.impulse = std::clamp(before + row.wanted - apart * row.gain, low, high);
-    push(row, row.impulse - before, motion);
+        speed[axis] = row.normal[axis] * change.linear[axis] + row.angular_a[axis] * change.angular[axis];
+    const float apart = (speed[0] + speed[1]) + speed[2], before = row.impulse;
+    row.impulse = std::clamp(before + row.bias - apart * row.effective_mass, low, high);
+    apply(row, row.impulse - before, change);
 }
 
 } // namespace brittle::test

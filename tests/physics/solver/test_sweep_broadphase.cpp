@@ -1,5 +1,6 @@
 #include "physics/solver/sweep_broadphase.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -8,139 +9,165 @@
 #include <utility>
 #include <vector>
 
-#include <LinearMath/btAabbUtil2.h>
 #include <doctest/doctest.h>
 
 using namespace brittle::physics;
 
 namespace {
 
-// A broadphase beside a plain list of what is in it, to compare with.
+constexpr Bounds everywhere{glm::vec3(-unbounded), glm::vec3(unbounded)};
+
+// Contacts that count how often their pair was found.
+struct Age final : PairContacts {
+    explicit Age(int& living) : alive(living) { ++alive; }
+    ~Age() override { --alive; }
+    void update(const ContactStep&) override {}
+    void refresh() override {}
+    void collect(std::vector<AnyManifold>&) const override {}
+
+    int found = 0;
+    int& alive;
+};
+
+// A broadphase beside a plain list of its boxes, whose pairs are found by comparing all with all.
 struct Boxes {
     struct One {
-        btBroadphaseProxy* proxy;
-        int group, mask;
-        float size = 1e18f, min_partner = 0.0f;
+        SweptProxy* proxy;
+        int name; // in the order of addition
     };
+    using Names = std::pair<int, int>; // ascending
+
+    int alive = 0; // contacts
     brittle::fracture::Threads threads{2};
     SweepBroadphase sweep{threads};
     std::vector<One> boxes;
-    std::map<std::pair<int, int>, int> ages; // of the pairs that overlapped when pairs were last found
+    std::map<const SweptProxy*, int> names;
+    std::map<Names, int> ages; // of the pairs that overlapped when pairs were last found
+    int next_name = 0;
     std::mt19937 random{7};
 
-    ~Boxes() {
-        while (!boxes.empty()) remove(0);
-    }
     float number(float low, float high) { return low + (high - low) * static_cast<float>(random() >> 8) / 16777216.0f; }
-    btVector3 corner(float low, float high) {
-        btVector3 point(0, 0, 0);
+    glm::vec3 corner(float low, float high) {
+        glm::vec3 point;
         for (int axis = 0; axis < 3; ++axis) point[axis] = number(low, high);
         return point;
     }
 
-    btBroadphaseProxy* add(const btVector3& low, const btVector3& high, int group = 1, int mask = -1) {
-        boxes.push_back({sweep.createProxy(low, high, 0, nullptr, group, mask, nullptr), group, mask});
-        return boxes.back().proxy;
+    SweptProxy& add(const SweptProxy& like) {
+        auto proxy = std::make_unique<SweptProxy>(like);
+        boxes.push_back({proxy.get(), next_name});
+        names[proxy.get()] = next_name++;
+        sweep.add(std::move(proxy));
+        return *boxes.back().proxy;
     }
-    btBroadphaseProxy* add_random(float space, float size, int group = 1, int mask = -1) {
-        const btVector3 low = corner(-space, space);
-        return add(low, low + corner(0.0f, size), group, mask);
+    SweptProxy& add(const Bounds& bounds, Collides collides = Collides::moving) {
+        return add(SweptProxy{.bounds = bounds, .collides = collides});
     }
-    btBroadphaseProxy* add_sized(float space, float size, float factor) { // of what it meets
-        const int group = factor > 0.0f ? btBroadphaseProxy::DebrisFilter : btBroadphaseProxy::DefaultFilter;
-        const int mask = factor > 0.0f ? ~btBroadphaseProxy::DebrisFilter : btBroadphaseProxy::AllFilter;
-        const btVector3 low = corner(-space, space), sides = corner(0.0f, size);
-        const float longest = sides[sides.maxAxis()];
-        auto proxy = SweepBroadphase::make_proxy(low, low + sides, nullptr, group, mask, longest, factor * longest);
-        boxes.push_back({proxy.get(), group, mask, longest, factor * longest});
-        sweep.put_in(std::move(proxy));
-        return boxes.back().proxy;
+    SweptProxy& add_random(float space, float size, Collides collides = Collides::moving) {
+        const glm::vec3 low = corner(-space, space);
+        return add({low, low + corner(0.0f, size)}, collides);
+    }
+    // Debris that collides with boxes of at least `factor` times its longest side; 0: no debris.
+    SweptProxy& add_sized(float space, float size, float factor) {
+        const glm::vec3 low = corner(-space, space), sides = corner(0.0f, size);
+        const float longest = std::max({sides.x, sides.y, sides.z});
+        return add(SweptProxy{.bounds = {low, low + sides},
+                              .collides = factor > 0.0f ? Collides::debris : Collides::moving,
+                              .size = longest,
+                              .min_partner = factor * longest});
     }
     void move(size_t which, float by) {
-        btBroadphaseProxy* proxy = boxes[which].proxy;
-        const btVector3 step = corner(-by, by);
-        sweep.setAabb(proxy, proxy->m_aabbMin + step, proxy->m_aabbMax + step, nullptr);
+        SweptProxy& proxy = *boxes[which].proxy;
+        const glm::vec3 step = corner(-by, by);
+        sweep.set_bounds(proxy, {proxy.bounds.low + step, proxy.bounds.high + step});
     }
     void remove(size_t which) {
-        btBroadphaseProxy* proxy = boxes[which].proxy;
-        std::erase_if(ages, [&](const auto& pair) {
-            return pair.first.first == proxy->m_uniqueId || pair.first.second == proxy->m_uniqueId;
-        });
-        sweep.getOverlappingPairCache()->cleanProxyFromPairs(proxy, nullptr);
-        sweep.destroyProxy(proxy, nullptr);
+        const One one = boxes[which];
+        std::erase_if(ages,
+                      [&](const auto& pair) { return pair.first.first == one.name || pair.first.second == one.name; });
+        sweep.remove(*one.proxy);
         boxes.erase(boxes.begin() + static_cast<std::ptrdiff_t>(which));
     }
+    [[nodiscard]] int name_of(const SweptProxy& proxy) const { return names.at(&proxy); }
+    [[nodiscard]] Names names_of(const SweptPair& pair) const { return {name_of(*pair.a), name_of(*pair.b)}; }
 
-    // Every pair of boxes that overlap and may meet, by comparing all with all.
-    [[nodiscard]] std::map<std::pair<int, int>, int> expected() const {
-        std::map<std::pair<int, int>, int> pairs;
+    // Every pair of boxes that overlap and may collide.
+    [[nodiscard]] std::map<Names, int> expected() const {
+        std::map<Names, int> pairs;
         for (size_t i = 0; i < boxes.size(); ++i)
             for (size_t j = 0; j < i; ++j) {
-                const btBroadphaseProxy &a = *boxes[j].proxy, &b = *boxes[i].proxy;
-                bool overlap = (boxes[i].group & boxes[j].mask) != 0 && (boxes[j].group & boxes[i].mask) != 0;
-                overlap = overlap && boxes[i].size >= boxes[j].min_partner && boxes[j].size >= boxes[i].min_partner;
-                CHECK(sweep.may_meet(a, b) == overlap);
-                CHECK(sweep.may_meet(b, a) == overlap);
+                const SweptProxy &a = *boxes[j].proxy, &b = *boxes[i].proxy;
+                const bool kinds = a.collides != b.collides || a.collides == Collides::moving;
+                const bool collide = kinds && a.size >= b.min_partner && b.size >= a.min_partner;
+                CHECK(SweepBroadphase::may_collide(a, b) == collide);
+                CHECK(SweepBroadphase::may_collide(b, a) == collide);
+                bool overlap = true;
                 for (int axis = 0; axis < 3; ++axis)
-                    overlap =
-                        overlap && a.m_aabbMin[axis] <= b.m_aabbMax[axis] && b.m_aabbMin[axis] <= a.m_aabbMax[axis];
-                if (overlap) pairs[{a.m_uniqueId, b.m_uniqueId}] = 0;
+                    overlap = overlap && a.bounds.low[axis] <= b.bounds.high[axis]
+                              && b.bounds.low[axis] <= a.bounds.high[axis];
+                CHECK(a.bounds.overlaps(b.bounds) == overlap);
+                if (collide && overlap) pairs[{boxes[j].name, boxes[i].name}] = 0;
             }
         return pairs;
     }
 
-    // Finds pairs; they must be the expected ones, ascending, and a pair that was there before the same one still: it
-    // counts in what Bullet leaves to its user how often it was found.
+    // Finds pairs, which must be the expected ones in ascending order. A pair that was there before keeps its contacts.
     void check() {
-        sweep.calculateOverlappingPairs(nullptr);
-        std::map<std::pair<int, int>, int> now = expected();
+        sweep.find_pairs();
+        std::map<Names, int> now = expected();
         for (auto& [pair, age] : now)
             if (const auto before = ages.find(pair); before != ages.end()) age = before->second + 1;
         ages = now;
-        std::map<std::pair<int, int>, int> found;
-        std::pair<int, int> last{-1, -1};
-        btBroadphasePairArray& pairs = sweep.getOverlappingPairCache()->getOverlappingPairArray();
-        for (int i = 0; i < pairs.size(); ++i) {
-            const std::pair<int, int> names{pairs[i].m_pProxy0->m_uniqueId, pairs[i].m_pProxy1->m_uniqueId};
-            CHECK(last < names);
-            last = names;
-            found[names] = pairs[i].m_internalTmpValue++;
+        std::map<Names, int> found;
+        Names last{-1, -1};
+        SweptPairs& pairs = sweep.pairs();
+        for (uint32_t i = 0; i < pairs.size(); ++i) {
+            SweptPair& pair = pairs.at(i);
+            CHECK(pair.a->rank < pair.b->rank);
+            CHECK(last < names_of(pair));
+            last = names_of(pair);
+            if (!pair.contacts) pair.contacts = std::make_unique<Age>(alive);
+            found[last] = static_cast<Age&>(*pair.contacts).found++;
         }
         CHECK(found == now);
+        CHECK(static_cast<size_t>(alive) == now.size());
     }
 };
 
 } // namespace
 
-TEST_CASE("a broadphase of nothing has no pairs, and one box has none") {
+TEST_CASE("broadphase: without boxes and with one box there are no pairs") {
     Boxes boxes;
     boxes.check();
-    boxes.add({0, 0, 0}, {1, 1, 1});
+    boxes.add({{0, 0, 0}, {1, 1, 1}});
     boxes.check();
-    CHECK(boxes.sweep.getOverlappingPairCache()->getNumOverlappingPairs() == 0);
+    CHECK(boxes.sweep.pairs().size() == 0);
+    boxes.remove(0);
+    boxes.check();
+    CHECK(boxes.sweep.pairs().size() == 0);
 }
 
-TEST_CASE("boxes that are equal, flat, points or touch in a corner overlap") {
+TEST_CASE("broadphase: boxes that are equal, flat, single points or touch in a corner overlap") {
     Boxes boxes;
-    for (int i = 0; i < 5; ++i) boxes.add({0, 0, 0}, {1, 1, 1});
-    boxes.add({1, 1, 1}, {2, 2, 2});
-    boxes.add({0, 0, 1}, {1, 1, 1});
-    boxes.add({1, 1, 1}, {1, 1, 1});
+    for (int i = 0; i < 5; ++i) boxes.add({{0, 0, 0}, {1, 1, 1}});
+    boxes.add({{1, 1, 1}, {2, 2, 2}});
+    boxes.add({{0, 0, 1}, {1, 1, 1}});
+    boxes.add({{1, 1, 1}, {1, 1, 1}});
     boxes.check();
-    CHECK(boxes.sweep.getOverlappingPairCache()->getNumOverlappingPairs() == 8 * 7 / 2);
+    CHECK(boxes.sweep.pairs().size() == 8 * 7 / 2);
 }
 
-TEST_CASE("a box without bounds meets every other, whichever of them moves") {
+TEST_CASE("broadphase: an unbounded box overlaps every other, whichever of them moves") {
     Boxes boxes;
-    boxes.add({-1e18f, -1e18f, -1e18f}, {1e18f, 1e18f, 1e18f});
+    boxes.add(everywhere);
     for (int i = 0; i < 30; ++i) boxes.add_random(5.0f, 1.0f);
     boxes.check();
     for (size_t i = 1; i < 10; ++i) boxes.move(i, 3.0f);
     boxes.check();
-    CHECK(boxes.sweep.getOverlappingPairCache()->getNumOverlappingPairs() >= 30);
+    CHECK(boxes.sweep.pairs().size() >= 30);
 }
 
-TEST_CASE("pairs are those that comparing all with all finds, while boxes move, rest, come and go") {
+TEST_CASE("broadphase: pairs match a comparison of all with all while boxes move, rest, come and go") {
     Boxes boxes;
     for (int i = 0; i < 150; ++i) boxes.add_random(2.0f, 1.5f);
     for (int round = 0; round < 60; ++round) {
@@ -155,13 +182,25 @@ TEST_CASE("pairs are those that comparing all with all finds, while boxes move, 
     }
 }
 
-TEST_CASE("what spreads along another axis than before is still found") {
+TEST_CASE("broadphase: the contacts of a removed box end at once, its pairs with the next search") {
+    Boxes boxes;
+    for (int i = 0; i < 4; ++i) boxes.add({{0, 0, 0}, {1, 1, 1}});
+    boxes.check();
+    CHECK(boxes.alive == 6);
+    boxes.remove(1);
+    CHECK(boxes.alive == 3);
+    CHECK(boxes.sweep.pairs().size() == 6);
+    boxes.check();
+    CHECK(boxes.sweep.pairs().size() == 3);
+}
+
+TEST_CASE("broadphase: a change of the axis on which boxes spread most loses no pair") {
     Boxes boxes;
     for (int axis = 0; axis < 3; ++axis) {
         for (int i = 0; i < 40; ++i) {
-            btVector3 low = boxes.corner(-0.5f, 0.5f);
+            glm::vec3 low = boxes.corner(-0.5f, 0.5f);
             low[axis] *= 40.0f;
-            boxes.add(low, low + btVector3(1, 1, 1));
+            boxes.add({low, low + glm::vec3(1.0f)});
         }
         boxes.check();
         for (size_t i = 0; i < boxes.boxes.size(); i += 2) boxes.move(i, 0.5f);
@@ -169,15 +208,13 @@ TEST_CASE("what spreads along another axis than before is still found") {
     }
 }
 
-TEST_CASE("debris that sleeps is still found where what moves spreads along another axis than before") {
+TEST_CASE("broadphase: a change of the sweep axis loses no pair of resting debris") {
     Boxes boxes;
-    const int group = btBroadphaseProxy::DebrisFilter;
     for (int axis = 0; axis < 3; ++axis) {
         for (int i = 0; i < 300; ++i) {
-            btVector3 low = boxes.corner(-0.5f, 0.5f);
+            glm::vec3 low = boxes.corner(-0.5f, 0.5f);
             low[axis] *= 40.0f;
-            const bool debris = i % 2 == 0;
-            boxes.add(low, low + btVector3(1, 1, 1), debris ? group : 1, debris ? ~group : -1);
+            boxes.add({low, low + glm::vec3(1.0f)}, i % 2 == 0 ? Collides::debris : Collides::moving);
         }
         boxes.check();
         for (size_t i = 1; i < boxes.boxes.size(); i += 2) boxes.move(i, 0.5f); // no debris
@@ -185,51 +222,54 @@ TEST_CASE("debris that sleeps is still found where what moves spreads along anot
     }
 }
 
-TEST_CASE("boxes meet as their groups say") {
+TEST_CASE("broadphase: two fixed boxes and two of debris do not collide, all others do") {
+    for (const Collides a : {Collides::fixed, Collides::moving, Collides::debris})
+        for (const Collides b : {Collides::fixed, Collides::moving, Collides::debris}) {
+            Boxes boxes;
+            boxes.add({{0, 0, 0}, {1, 1, 1}}, a);
+            boxes.add({{0, 0, 0}, {1, 1, 1}}, b);
+            boxes.check();
+            CHECK((boxes.sweep.pairs().size() == 1) == (a != b || a == Collides::moving));
+        }
     Boxes boxes;
-    for (int i = 0; i < 60; ++i) {
-        const int group = 1 << (i % 3);
-        boxes.add_random(1.0f, 1.0f, group, i % 2 ? ~group : -1);
-    }
+    for (int i = 0; i < 90; ++i) boxes.add_random(1.0f, 1.0f, static_cast<Collides>(i % 3));
     boxes.check();
-    for (size_t i = 0; i < boxes.boxes.size(); i += 3) boxes.move(i, 0.5f);
+    for (size_t i = 0; i < boxes.boxes.size(); i += 4) boxes.move(i, 0.5f);
     boxes.check();
 }
 
-TEST_CASE("debris meets all but debris, whoever of them moves, rests, comes or goes") {
+TEST_CASE("broadphase: debris collides with all but debris, whichever moves, rests, comes or goes") {
     Boxes boxes;
-    const int group = btBroadphaseProxy::DebrisFilter;
-    boxes.add({-1e18f, -1e18f, -1e18f}, {1e18f, 1e18f, 1e18f});
-    for (int i = 0; i < 40; ++i) boxes.add_random(2.0f, 1.5f, group, ~group);
-    boxes.check(); // nobody else
-    for (int i = 0; i < 80; ++i) boxes.add_random(2.0f, 1.5f, i % 2 ? group : 1, i % 2 ? ~group : -1);
-    for (int i = 0; i < 5; ++i) boxes.add_random(2.0f, 1.5f, group); // that meets its like
+    const auto kind = [](int i) { return i % 2 ? Collides::debris : Collides::moving; };
+    boxes.add(everywhere);
+    for (int i = 0; i < 40; ++i) boxes.add_random(2.0f, 1.5f, Collides::debris);
+    boxes.check(); // debris alone
+    for (int i = 0; i < 80; ++i) boxes.add_random(2.0f, 1.5f, kind(i));
     for (int round = 0; round < 30; ++round) {
         for (size_t i = 1; i < boxes.boxes.size(); ++i) // all, only debris, only the others, some
-            if (round % 4 == 0
-                || (round % 4 == 3 ? boxes.random() % 5 == 0 : (boxes.boxes[i].group == group) == (round % 4 == 1)))
+            if (const bool debris = boxes.boxes[i].proxy->collides == Collides::debris;
+                round % 4 == 0 || (round % 4 == 3 ? boxes.random() % 5 == 0 : debris == (round % 4 == 1)))
                 boxes.move(i, 0.3f);
         if (round % 3 == 1)
             for (int i = 0; i < 4; ++i) boxes.remove(1 + boxes.random() % (boxes.boxes.size() - 1));
         if (round % 5 == 2)
-            for (int i = 0; i < 6; ++i) boxes.add_random(2.0f, 1.5f, i % 2 ? group : 1, i % 2 ? ~group : -1);
+            for (int i = 0; i < 6; ++i) boxes.add_random(2.0f, 1.5f, kind(i));
         boxes.check();
     }
 }
 
-TEST_CASE("boxes that say so meet only what is as large as they ask for, whoever of them moves, rests, comes or goes") {
+TEST_CASE("broadphase: debris collides with boxes of its minimum size only, whichever moves, rests, comes or goes") {
     Boxes boxes;
-    boxes.add({-1e18f, -1e18f, -1e18f}, {1e18f, 1e18f, 1e18f}); // larger than all
+    boxes.add(everywhere); // larger than all
     for (int i = 0; i < 120; ++i) boxes.add_sized(1.5f, 1.5f, i % 2 ? 2.0f : 0.0f);
     boxes.check();
-    size_t left_out = 0; // that overlap
+    size_t too_small = 0; // pairs that overlap
     for (size_t i = 1; i < boxes.boxes.size(); i += 2)
         for (size_t j = 2; j < boxes.boxes.size(); j += 2) {
-            const btBroadphaseProxy &a = *boxes.boxes[i].proxy, &b = *boxes.boxes[j].proxy;
-            left_out +=
-                !boxes.sweep.may_meet(a, b) && TestAabbAgainstAabb2(a.m_aabbMin, a.m_aabbMax, b.m_aabbMin, b.m_aabbMax);
+            const SweptProxy &a = *boxes.boxes[i].proxy, &b = *boxes.boxes[j].proxy;
+            too_small += !SweepBroadphase::may_collide(a, b) && a.bounds.overlaps(b.bounds);
         }
-    CHECK(left_out > 100);
+    CHECK(too_small > 100);
     for (int round = 0; round < 30; ++round) {
         for (size_t i = 1; i < boxes.boxes.size(); ++i)
             if (round % 3 == 0 || (round % 3 == 1 ? boxes.random() % 5 == 0 : i % 2 == 0)) boxes.move(i, 0.3f);
@@ -241,92 +281,90 @@ TEST_CASE("boxes that say so meet only what is as large as they ask for, whoever
     }
 }
 
-TEST_CASE("boxes meet only where both are as large as the other asks for") {
+TEST_CASE("broadphase: two boxes collide only where each has the other's minimum size") {
     Boxes boxes;
-    for (const float asked : {0.0f, 0.5f, 0.9f})
+    for (const float factor : {0.0f, 0.5f, 0.9f})
         for (int i = 0; i < 60; ++i) {
-            const btVector3 low = boxes.corner(-1.5f, 1.5f), sides = boxes.corner(0.2f, 1.5f);
-            const float longest = sides[sides.maxAxis()];
-            auto proxy = SweepBroadphase::make_proxy(low, low + sides, nullptr, 1, -1, longest, asked * longest);
-            boxes.boxes.push_back({proxy.get(), 1, -1, longest, asked * longest});
-            boxes.sweep.put_in(std::move(proxy));
+            const glm::vec3 low = boxes.corner(-1.5f, 1.5f), sides = boxes.corner(0.2f, 1.5f);
+            const float longest = std::max({sides.x, sides.y, sides.z});
+            boxes.add(SweptProxy{.bounds = {low, low + sides}, .size = longest, .min_partner = factor * longest});
         }
     boxes.check();
     for (size_t i = 0; i < boxes.boxes.size(); i += 3) boxes.move(i, 0.3f);
     boxes.check();
 }
 
-TEST_CASE("only pairs with a box that was set are looked at") {
+TEST_CASE("broadphase: the pairs to visit are those of the boxes that were set") {
     Boxes boxes;
     for (int i = 0; i < 40; ++i) boxes.add_random(1.0f, 1.0f);
     boxes.check();
     boxes.move(11, 0.1f);
     boxes.check();
-    const btBroadphasePair* const pairs = boxes.sweep.pairs().getOverlappingPairArrayPtr();
-    for (const int index : boxes.sweep.pairs().set())
-        CHECK((pairs[index].m_pProxy0->m_uniqueId == 11 || pairs[index].m_pProxy1->m_uniqueId == 11));
-    int of_it = 0;
-    for (const auto& [names, age] : boxes.expected()) of_it += names.first == 11 || names.second == 11;
-    CHECK(of_it > 0);
-    CHECK(boxes.sweep.pairs().set().size() == static_cast<size_t>(of_it));
+    const SweptPairs& pairs = boxes.sweep.pairs();
+    CHECK(std::ranges::is_sorted(pairs.set()));
+    for (const uint32_t index : pairs.set()) {
+        const Boxes::Names names = boxes.names_of(pairs.at(index));
+        CHECK((names.first == 11 || names.second == 11));
+    }
+    size_t expected = 0;
+    for (const auto& [names, age] : boxes.expected()) expected += names.first == 11 || names.second == 11;
+    CHECK(expected > 0);
+    CHECK(pairs.set().size() == expected);
 }
 
-TEST_CASE("boxes that are set after pairs were found are found with all that they overlap") {
+TEST_CASE("broadphase: boxes that are set after a search are found with all that they overlap") {
     Boxes boxes;
-    const int debris = btBroadphaseProxy::DebrisFilter;
-    for (int i = 0; i < 200; ++i) boxes.add_random(1.0f, 0.5f, i % 3 ? 1 : debris, i % 3 ? -1 : ~debris);
+    for (int i = 0; i < 200; ++i) boxes.add_random(1.0f, 0.5f, i % 3 ? Collides::moving : Collides::debris);
     boxes.check();
-    boxes.remove(31); // its place is taken by others
+    boxes.remove(31); // later boxes move up in rank
     for (size_t i = 0; i < 120; ++i) boxes.move(i, 0.3f);
     boxes.check();
     std::set<int> set;
-    for (size_t i = 0; i < boxes.boxes.size(); i += 7) { // of those that were set before, and of others
+    for (size_t i = 0; i < boxes.boxes.size(); i += 7) { // some were set before that search, some were not
         boxes.move(i, 0.3f);
-        set.insert(boxes.boxes[i].proxy->m_uniqueId);
+        set.insert(boxes.boxes[i].name);
     }
-    std::vector<std::pair<int, int>> found, expected;
+    std::vector<Boxes::Names> found, expected;
     for (const SweptPairs::Key key : boxes.sweep.find_set())
-        found.emplace_back(boxes.sweep.proxy(key >> 32).m_uniqueId,
-                           boxes.sweep.proxy(static_cast<uint32_t>(key)).m_uniqueId);
+        found.emplace_back(boxes.name_of(boxes.sweep.proxy(static_cast<uint32_t>(key >> 32))),
+                           boxes.name_of(boxes.sweep.proxy(static_cast<uint32_t>(key))));
     for (const auto& [names, age] : boxes.expected())
         if (set.contains(names.first) || set.contains(names.second)) expected.push_back(names);
     CHECK(expected.size() > 20);
     CHECK(found == expected);
-    boxes.check(); // and pairs are found as ever
+    boxes.check(); // the next search is right, too
 }
 
-TEST_CASE("what boxes reach over others that pass is what hops from pair to pair reach, whether few or many") {
+TEST_CASE("broadphase: connected boxes match a walk from pair to pair, for few boxes and for many") {
     size_t few = 0, many = 0, alone = 0;
     for (const float size : {0.3f, 0.9f, 1.4f}) {
         Boxes boxes;
         for (int i = 0; i < 300; ++i) boxes.add_random(4.0f, size);
         boxes.check();
-        for (int i = 0; i < 30; ++i)
-            boxes.remove(static_cast<size_t>(7 * i)); // ranks are not the order in which they came
+        for (int i = 0; i < 30; ++i) boxes.remove(static_cast<size_t>(7 * i)); // ranks differ from names
         boxes.check();
-        const auto rank_of = [](const btBroadphaseProxy* proxy) { return static_cast<const SweptProxy*>(proxy)->rank; };
-        const auto passes = [](const btBroadphaseProxy& proxy) { return proxy.m_uniqueId % 5 != 0; };
-        const btBroadphasePairArray& pairs = boxes.sweep.getOverlappingPairCache()->getOverlappingPairArray();
+        const auto passes = [&](const SweptProxy& proxy) { return boxes.name_of(proxy) % 5 != 0; };
+        const SweptPairs& pairs = boxes.sweep.pairs();
         for (size_t start = 0; start < boxes.boxes.size(); start += 3) {
-            std::set<uint32_t> reached;
+            std::set<uint32_t> ranks;
             for (const size_t one : {start, (start * 7) % boxes.boxes.size()})
-                if (passes(*boxes.boxes[one].proxy)) reached.insert(rank_of(boxes.boxes[one].proxy));
-            const std::vector<uint32_t> from(reached.begin(), reached.end());
-            std::set<int> kept;
-            for (size_t before = SIZE_MAX; before != reached.size() + kept.size();) {
-                before = reached.size() + kept.size();
-                for (int i = 0; i < pairs.size(); ++i)
-                    for (const auto& [one, other] : {std::pair(pairs[i].m_pProxy0, pairs[i].m_pProxy1),
-                                                     std::pair(pairs[i].m_pProxy1, pairs[i].m_pProxy0)}) {
-                        if (!reached.contains(rank_of(one))) continue;
-                        kept.insert(i);
-                        if (passes(*other)) reached.insert(rank_of(other));
+                if (passes(*boxes.boxes[one].proxy)) ranks.insert(boxes.boxes[one].proxy->rank);
+            const std::vector<uint32_t> from(ranks.begin(), ranks.end());
+            std::set<uint32_t> indices;
+            for (size_t before = SIZE_MAX; before != ranks.size() + indices.size();) {
+                before = ranks.size() + indices.size();
+                for (uint32_t i = 0; i < pairs.size(); ++i)
+                    for (const auto& [one, other] :
+                         {std::pair(pairs.at(i).a, pairs.at(i).b), std::pair(pairs.at(i).b, pairs.at(i).a)}) {
+                        if (!ranks.contains(one->rank)) continue;
+                        indices.insert(i);
+                        if (passes(*other)) ranks.insert(other->rank);
                     }
             }
-            const SweepBroadphase::Reached& found = boxes.sweep.reach(from, passes);
-            CHECK(found.ranks == std::vector<uint32_t>(reached.begin(), reached.end()));
-            CHECK(found.pairs == std::vector<int>(kept.begin(), kept.end()));
-            ++(reached.size() < 3 ? alone : reached.size() < 10 ? few : many);
+            const SweepBroadphase::Connected& found = boxes.sweep.connected(from, passes);
+            CHECK(found.ranks == std::vector<uint32_t>(ranks.begin(), ranks.end()));
+            CHECK(found.pairs == std::vector<uint32_t>(indices.begin(), indices.end()));
+            ++(ranks.size() < 3 ? alone : ranks.size() < 10 ? few : many);
         }
     }
     CHECK(alone > 20);
@@ -334,53 +372,40 @@ TEST_CASE("what boxes reach over others that pass is what hops from pair to pair
     CHECK(many > 20);
 }
 
-TEST_CASE("pairs of one box are those that have it, in their order") {
+TEST_CASE("broadphase: the pairs of one box, in their order") {
     Boxes boxes;
     for (int i = 0; i < 150; ++i) boxes.add_random(4.0f, 3.0f);
-    boxes.add({-9, -9, -9}, {9, 9, 9}); // meets all
+    boxes.add({glm::vec3(-9.0f), glm::vec3(9.0f)}); // overlaps all
     for (int round = 0; round < 4; ++round) {
-        boxes.sweep.calculateOverlappingPairs(nullptr);
-        const btBroadphaseProxy* const late = boxes.add_random(4.0f, 3.0f);
+        boxes.sweep.find_pairs();
+        const SweptProxy& late = boxes.add_random(4.0f, 3.0f);
         SweptPairs& pairs = boxes.sweep.pairs();
-        CHECK(pairs.pairs_of(*late).empty()); // until pairs are found
+        CHECK(pairs.pairs_of(late).empty()); // until the next search
         size_t sum = 0;
         for (const Boxes::One& one : boxes.boxes) {
-            std::vector<int> expected;
-            for (int i = 0; i < pairs.getNumOverlappingPairs(); ++i) {
-                const btBroadphasePair& pair = pairs.getOverlappingPairArrayPtr()[i];
-                if (pair.m_pProxy0 == one.proxy || pair.m_pProxy1 == one.proxy) expected.push_back(i);
-            }
+            std::vector<uint32_t> expected;
+            for (uint32_t i = 0; i < pairs.size(); ++i)
+                if (pairs.at(i).a == one.proxy || pairs.at(i).b == one.proxy) expected.push_back(i);
             CHECK(pairs.pairs_of(*one.proxy) == expected);
             sum += expected.size();
         }
-        CHECK(sum == 2 * static_cast<size_t>(pairs.getNumOverlappingPairs()));
+        CHECK(sum == 2 * pairs.size());
         CHECK(sum > 600);
         for (int i = 0; i < 10; ++i) boxes.remove(static_cast<size_t>(7 * i));
     }
 }
 
-TEST_CASE("a query finds the boxes that overlap it, those that came since pairs were found among them") {
+TEST_CASE("broadphase: a query finds the boxes that overlap it, also those added since the last search") {
     Boxes boxes;
     for (int i = 0; i < 50; ++i) boxes.add_random(2.0f, 1.0f);
     boxes.check();
     boxes.remove(13);
     for (int i = 0; i < 5; ++i) boxes.add_random(2.0f, 1.0f);
-    struct Met final : btBroadphaseAabbCallback {
-        std::vector<int> names;
-        bool process(const btBroadphaseProxy* proxy) override {
-            names.push_back(proxy->m_uniqueId);
-            return true;
-        }
-    } met;
-    const btVector3 low(-0.5f, -0.5f, -0.5f), high(0.7f, 0.7f, 0.7f);
-    boxes.sweep.aabbTest(low, high, met);
-    std::vector<int> expected;
-    for (const auto& box : boxes.boxes) {
-        bool overlap = true;
-        for (int axis = 0; axis < 3; ++axis)
-            overlap = overlap && box.proxy->m_aabbMin[axis] <= high[axis] && low[axis] <= box.proxy->m_aabbMax[axis];
-        if (overlap) expected.push_back(box.proxy->m_uniqueId);
-    }
+    const Bounds query{glm::vec3(-0.5f), glm::vec3(0.7f)};
+    std::vector<int> found, expected;
+    boxes.sweep.for_each_overlap(query, [&](const SweptProxy& proxy) { found.push_back(boxes.name_of(proxy)); });
+    for (const Boxes::One& box : boxes.boxes)
+        if (box.proxy->bounds.overlaps(query)) expected.push_back(box.name);
     CHECK(expected.size() > 3);
-    CHECK(met.names == expected);
+    CHECK(found == expected);
 }

@@ -1,4 +1,4 @@
-// Many bodies at once are the same as one after the other, and a refusal adds none.
+// World::add_bodies(): many bodies at once equal the same bodies one by one, and a refused batch adds none.
 #include <cmath>
 #include <cstdint>
 #include <functional>
@@ -11,7 +11,6 @@
 #include <doctest/doctest.h>
 #include <glm/geometric.hpp>
 
-#include "physics/solver/body_record.h"
 #include "physics/world/pieces.h"
 #include "physics/world/world.h"
 #include "tests/physics/bodies.h"
@@ -25,7 +24,7 @@ namespace {
 
 constexpr float no_number = std::numeric_limits<float>::quiet_NaN();
 
-// A body that is turned, flies, and has an inertia whose axes are none of its own.
+// The body rotated and moving, with principal axes of inertia that are not its own axes.
 BodyDesc askew(BodyDesc body, test::Random& random) {
     const glm::vec3 axis(random.direction());
     body.pose.orientation = glm::angleAxis(static_cast<float>(random.uniform(0.0, 3.0)), axis);
@@ -38,8 +37,8 @@ BodyDesc askew(BodyDesc body, test::Random& random) {
     return body;
 }
 
-// All kinds: hulls of their own and shared ones, of one part off the centre and of several, fixed and free, with and without
-// a shadow that is known, siblings of two numbers from one on, debris, and such as come with a pose of a step ago.
+// All kinds of bodies: own and shared hulls, one part off the centre, several parts, fixed and free, with and without a known
+// cross section, siblings with the given number and the next (0: none), debris, and bodies with a previous pose.
 std::vector<BodyDesc> all_kinds(uint32_t siblings) {
     test::Random random(11);
     const auto shared = std::make_shared<const CollisionHull>(box_hull(glm::vec3(0.05f)));
@@ -60,13 +59,14 @@ std::vector<BodyDesc> all_kinds(uint32_t siblings) {
     return bodies;
 }
 
+// The handles, and the state hashes of a run.
 struct Story {
     std::vector<BodyId> ids;
     std::vector<uint64_t> hashes;
     friend bool operator==(const Story&, const Story&) = default;
 };
 
-// Some fall, all kinds come, some go; `add` adds the bodies.
+// A table falls, `add` adds all kinds of bodies, and some of them are removed at once and later.
 Story story(uint32_t threads, const std::function<std::vector<BodyId>(World&, std::span<const BodyDesc>)>& add) {
     World world({.threads = threads});
     must_add(world, box({2.0f, 0.1f, 2.0f}, 10.0f, {0.0f, 0.2f, 0.0f}));
@@ -105,7 +105,7 @@ std::vector<BodyId> described(World& world, std::span<const BodyDesc> bodies) {
     return *ids;
 }
 
-// What is refused of one by one.
+// The error of the first body that is refused when they are added one by one.
 fracture::Error first_error(World& world, std::span<const BodyDesc> bodies) {
     for (const BodyDesc& body : bodies)
         if (const Result<BodyId> added = world.add_body(body); !added) return added.error();
@@ -115,78 +115,7 @@ fracture::Error first_error(World& world, std::span<const BodyDesc> bodies) {
 
 } // namespace
 
-TEST_CASE("a rigid body is as Bullet makes it") {
-    std::vector<BodyDesc> bodies = all_kinds(0);
-    std::erase_if(bodies, [](const BodyDesc& desc) { return desc.parts.size() > 1; });
-    WorldSettings settings;
-    settings.linear_damping = 0.1f;
-    settings.angular_damping = 0.2f;
-    for (const bool sleeping : {true, false}) {
-        settings.sleeping = sleeping;
-        for (const BodyDesc& desc : bodies) {
-            const Result<NewBody> made = make_body(desc, settings);
-            REQUIRE(made);
-            const BodyRecord& body = *made->record;
-            btRigidBody::btRigidBodyConstructionInfo info(
-                body.fixed ? 0.0f : body.mass, nullptr, body.collision_shape(),
-                body.fixed ? btVector3(0, 0, 0) : metres_to_bullet(glm::vec3(body.moments) * bullet_units));
-            info.m_startWorldTransform = body.blow_frame;
-            info.m_friction = desc.friction;
-            info.m_restitution = desc.restitution;
-            info.m_linearDamping = settings.linear_damping;
-            info.m_angularDamping = settings.angular_damping;
-            btRigidBody own(info);
-            const btRigidBody& rigid = *body.rigid;
-            CHECK(rigid.getInvMass() == own.getInvMass());
-            CHECK(rigid.getInvInertiaDiagLocal() == own.getInvInertiaDiagLocal());
-            CHECK(rigid.getInvInertiaTensorWorld() == own.getInvInertiaTensorWorld());
-            CHECK(rigid.getWorldTransform() == own.getWorldTransform());
-            CHECK(rigid.getInterpolationWorldTransform() == own.getInterpolationWorldTransform());
-            CHECK(rigid.getCollisionFlags() == own.getCollisionFlags());
-            CHECK(rigid.getInternalType() == own.getInternalType());
-            CHECK(rigid.getLinearFactor() == own.getLinearFactor());
-            CHECK(rigid.getAngularFactor() == own.getAngularFactor());
-            CHECK(rigid.getLinearDamping() == own.getLinearDamping());
-            CHECK(rigid.getAngularDamping() == own.getAngularDamping());
-            CHECK(rigid.getFriction() == own.getFriction());
-            CHECK(rigid.getRestitution() == own.getRestitution());
-            CHECK(rigid.getCollisionShape() == body.collision_shape());
-            CHECK(rigid.getContactProcessingThreshold() == own.getContactProcessingThreshold());
-            CHECK(rigid.getGravity() == (body.fixed ? btVector3(0, 0, 0) : metres_to_bullet(settings.gravity)));
-            CHECK(rigid.getTotalForce().isZero());
-            CHECK(rigid.isActive() == (!body.fixed || !sleeping));
-        }
-    }
-}
-
-TEST_CASE("a new body has a box around it, and meets whom it is large enough for") {
-    for (BodyDesc& desc : all_kinds(0)) {
-        if (desc.parts.size() > 1) continue;
-        desc.large = desc.mass > 3.0f;
-        const Result<NewBody> made = make_body(desc, {});
-        REQUIRE(made);
-        const BodyRecord& body = *made->record;
-        const SweptProxy& proxy = *made->proxy;
-        CHECK(body.rigid->getBroadphaseHandle() == &proxy);
-        CHECK(proxy.m_clientObject == &*body.rigid);
-        btVector3 low, high;
-        body.collision_shape()->getAabb(body.blow_frame, low, high);
-        const btScalar slack = body.fixed ? 0.0f : 1e-5f * body.reach, most = 2.00001f * body.reach;
-        for (int axis = 0; axis < 3; ++axis) {
-            CHECK(proxy.m_aabbMin[axis] <= low[axis] + slack);
-            CHECK(proxy.m_aabbMax[axis] >= high[axis] - slack);
-            CHECK(proxy.m_aabbMax[axis] - proxy.m_aabbMin[axis] <= most + 1e-6f * proxy.m_aabbMax.length());
-        }
-        CHECK(proxy.size == (body.fixed || desc.large ? BT_LARGE_FLOAT : body.longest));
-        CHECK((proxy.min_partner > body.longest) == body.debris);
-        CHECK(proxy.m_collisionFilterGroup == group_of(body.fixed, body.debris));
-        CHECK(proxy.m_collisionFilterMask == partners_of(body.fixed, body.debris));
-        CHECK(made->awake == !body.fixed);
-        CHECK(made->debris == body.debris);
-    }
-}
-
-TEST_CASE("no bodies at once change nothing") {
+TEST_CASE("add bodies: an empty batch changes nothing") {
     World world;
     must_add(world, box(glm::vec3(0.1f), 1.0f, {0.0f, 1.0f, 0.0f}));
     const uint64_t before = world.state_hash();
@@ -196,7 +125,7 @@ TEST_CASE("no bodies at once change nothing") {
     CHECK(world.state_hash() == before);
 }
 
-TEST_CASE("bodies added at once are those added one by one, on any number of threads") {
+TEST_CASE("add bodies: a batch equals the same bodies one by one, on any number of threads") {
     const Story expected = story(1, one_by_one);
     REQUIRE(expected.ids.size() == 330);
     CHECK(expected.hashes.front() != expected.hashes.back());
@@ -207,14 +136,14 @@ TEST_CASE("bodies added at once are those added one by one, on any number of thr
     }
 }
 
-TEST_CASE("of bodies of which some are refused none comes, and the error is that of the first") {
+TEST_CASE("add bodies: a batch with invalid bodies adds none, and the error is that of the first") {
     const std::vector<std::pair<size_t, std::function<void(BodyDesc&)>>> faults{
         {0, [](BodyDesc& body) { body.mass = -1.0f; }},
         {329, [](BodyDesc& body) { body.pose.position.y = no_number; }},
         {130, [](BodyDesc& body) { body.inertia = glm::mat3(0.0f); }},
         {66, [](BodyDesc& body) { body.hull.points.resize(3), body.parts.clear(); }},
         {66, [](BodyDesc& body) { body.hull.points[5].z = no_number; }},
-        {13, [](BodyDesc& body) { body.parts.at(1).hull = nullptr; }}, // a table
+        {13, [](BodyDesc& body) { body.parts.at(1).hull = nullptr; }}, // a body of three slabs
         {13, [](BodyDesc& body) { body.parts.at(2).offset.x = no_number; }},
         {200, [](BodyDesc& body) { body.restitution = 2.0f; }},
     };
@@ -223,7 +152,7 @@ TEST_CASE("of bodies of which some are refused none comes, and the error is that
         const auto& [at, spoil] = faults[fault];
         std::vector<BodyDesc> bodies = all_kinds(0);
         spoil(bodies[at]);
-        if (at < 300) bodies[at + 20].mass = 0.0f; // is not the first
+        if (at < 300) bodies[at + 20].mass = 0.0f; // a second fault
         World alone;
         const fracture::Error expected = first_error(alone, bodies);
         for (const uint32_t threads : {1u, 2u, 8u}) {
@@ -236,7 +165,7 @@ TEST_CASE("of bodies of which some are refused none comes, and the error is that
             REQUIRE_FALSE(told.has_value());
             CHECK(told.error().message == added.error().message);
             CHECK(added.error().status == expected.status);
-            // One more is there than in the world that was empty.
+            // These worlds hold one body more, so the number in the message is one higher.
             const std::string name = "body " + std::to_string(at), later = "body " + std::to_string(at + 1);
             REQUIRE(expected.message.find(name + " ") == 0);
             CHECK(added.error().message == later + expected.message.substr(name.size()));
@@ -250,13 +179,14 @@ TEST_CASE("of bodies of which some are refused none comes, and the error is that
     }
 }
 
-TEST_CASE("pieces whose masses no body has get those of a box, and all others their own") {
+TEST_CASE(
+    "add bodies: pieces with impossible mass properties get those of their bounding box, all others keep their own") {
     fracture::Fragments pieces = test::voronoi_pieces(glm::dvec3(-0.5), glm::dvec3(0.5), 150, 4);
     const std::vector<fracture::Piece> sound = pieces.pieces;
-    pieces.pieces[3].mass.volume = -1e-9; // as a sliver's may round to
+    pieces.pieces[3].mass.volume = -1e-9; // a sliver's volume may round to this
     pieces.pieces[70].mass.volume = 0.0;
     pieces.pieces[71].mass.inertia = glm::dmat3(0.0);
-    pieces.pieces[149].mass.inertia[1][1] *= 9.0; // more than the sum of the others
+    pieces.pieces[149].mass.inertia[1][1] *= 9.0; // violates the triangle inequality of moments
     const float density = 2000.0f;
     for (const uint32_t threads : {1u, 2u}) {
         World world({.threads = threads});
@@ -279,12 +209,12 @@ TEST_CASE("pieces whose masses no body has get those of a box, and all others th
     }
 }
 
-TEST_CASE("a piece that is none even with the mass of a box is named, and no piece comes") {
+TEST_CASE("add bodies: a piece that is invalid even with the mass of a box is named, and no piece is added") {
     fracture::Fragments pieces = test::grid_pieces(glm::dvec3(-0.5), glm::dvec3(0.5), 4, 4, 4);
-    pieces.pieces[7].mass.volume = 0.0; // would get a box
+    pieces.pieces[7].mass.volume = 0.0; // would get the mass of a box
     for (uint32_t v = pieces.pieces[40].vertices.begin; v < pieces.pieces[40].vertices.end; ++v)
         pieces.positions[v] *= 1e7;
-    pieces.pieces[40].mass.volume *= 1e21; // a planetoid
+    pieces.pieces[40].mass.volume *= 1e21; // heavier than any valid body
     World world;
     const Result<std::vector<BodyId>> bodies = add_pieces(world, pieces);
     REQUIRE_FALSE(bodies.has_value());
@@ -294,7 +224,7 @@ TEST_CASE("a piece that is none even with the mass of a box is named, and no pie
     CHECK(world.body_count() == 0);
 }
 
-TEST_CASE("bodies of forms made ahead are those that are made when they come") {
+TEST_CASE("add bodies: bodies of forms made in advance equal bodies made when they are added") {
     int with_form = 0;
     const auto of_forms = [&](World& world, std::span<const BodyDesc> bodies) {
         std::vector<BodyDesc> ahead(bodies.begin(), bodies.end());
@@ -307,7 +237,7 @@ TEST_CASE("bodies of forms made ahead are those that are made when they come") {
             body.form = *form;
             body.hull = {};
             body.parts = {};
-            body.mass = no_number; // not looked at
+            body.mass = no_number; // the form's is used
             body.inertia = glm::mat3(no_number);
             body.fixed = !body.fixed;
         }
@@ -318,7 +248,7 @@ TEST_CASE("bodies of forms made ahead are those that are made when they come") {
     CHECK(with_form > 200);
 }
 
-TEST_CASE("a form may be shared and outlives what it was made of") {
+TEST_CASE("add bodies: a form may be shared, and lives as long as its bodies") {
     std::shared_ptr<const BodyForm> form = *make_form(box(glm::vec3(0.1f), 2.0f, {}));
     World world, one_by_one;
     for (const float x : {-1.0f, 0.0f, 1.0f}) {
@@ -331,7 +261,7 @@ TEST_CASE("a form may be shared and outlives what it was made of") {
     CHECK(world.state_hash() == one_by_one.state_hash());
 }
 
-TEST_CASE("no form is made of what is no body, and a form does not excuse a place that is none") {
+TEST_CASE("add bodies: an invalid body has no form, and a form does not make an invalid pose valid") {
     BodyDesc body = box(glm::vec3(0.1f), 2.0f, {});
     const auto form = make_form(body);
     REQUIRE(form);

@@ -1,5 +1,5 @@
-#include "fracture/mesh/principal_axes.h"
-#include "physics/solver/rotation.h"
+// Free rotation against what it conserves and a closed form; principal axes of the inertia tensors that it starts from.
+#include "physics/solver/free_rotation.h"
 
 #include <algorithm>
 #include <array>
@@ -10,6 +10,8 @@
 
 #include <doctest/doctest.h>
 #include <glm/geometric.hpp>
+
+#include "fracture/mesh/principal_axes.h"
 
 using namespace brittle::physics;
 
@@ -34,19 +36,19 @@ glm::dvec3 angular_momentum(const Spin& spin, const glm::dvec3& moments) {
 
 } // namespace
 
-TEST_CASE("the zero tensor has the coordinate axes and zero moments") {
+TEST_CASE("principal axes: the zero tensor has the coordinate axes and zero moments") {
     const brittle::fracture::PrincipalAxes principal = brittle::fracture::principal_axes(glm::dmat3(0.0));
     CHECK(principal.axes == glm::dmat3(1.0));
     CHECK(principal.moments == glm::dvec3(0.0));
 }
 
-TEST_CASE("a diagonal tensor keeps its axes and their order") {
+TEST_CASE("principal axes: a diagonal tensor keeps its axes and their order") {
     const brittle::fracture::PrincipalAxes principal = brittle::fracture::principal_axes(diagonal(3.0, 1.0, 2.0));
     CHECK(principal.axes == glm::dmat3(1.0));
     CHECK(principal.moments == glm::dvec3(3.0, 1.0, 2.0));
 }
 
-TEST_CASE("axes and moments give back any symmetric tensor, however small") {
+TEST_CASE("principal axes: axes and moments give back a symmetric tensor of any scale") {
     for (const double scale : {1.0, 1e-25, 1e20}) {
         for (int i = 0; i < 50; ++i) {
             const auto at = [&](int k) { return std::sin(12.9898 * (i * 6 + k + 1)) * scale; };
@@ -65,8 +67,8 @@ TEST_CASE("axes and moments give back any symmetric tensor, however small") {
     }
 }
 
-TEST_CASE("axes and moments are bit for bit those of rotations written as products of matrices") {
-    // Cyclic Jacobi as in the books; also for zeros of either sign, equal moments and needles.
+TEST_CASE("principal axes: axes and moments equal those of rotations written as matrix products, bit for bit") {
+    // Textbook cyclic Jacobi; the tensors include zeros of either sign, equal moments and needles.
     const auto by_products = [](glm::dmat3 work) {
         work[0][1] = work[1][0], work[0][2] = work[2][0], work[1][2] = work[2][1];
         double scale = 0.0;
@@ -105,13 +107,14 @@ TEST_CASE("axes and moments are bit for bit those of rotations written as produc
     }
 }
 
-TEST_CASE("a body at rest stays at rest") {
+TEST_CASE("free rotation: a body at rest stays at rest") {
     const Spin spin = free_spin({}, {1.0, 2.0, 2.5}, 0.01);
     CHECK(spin.velocity == glm::dvec3(0.0));
     CHECK(spin.orientation == glm::dquat(1.0, 0.0, 0.0, 0.0));
 }
 
-TEST_CASE("tumbling about the middle axis keeps angular momentum and energy for a thousand seconds") {
+TEST_CASE(
+    "free rotation: tumbling about the middle axis conserves angular momentum and energy for a thousand seconds") {
     const glm::dvec3 moments(1.0, 2.0, 2.9);
     Spin spin{.orientation = glm::normalize(glm::dquat(0.3, 0.5, -0.2, 0.7)), .velocity = {0.1, 7.0, -0.2}};
     const glm::dvec3 momentum = angular_momentum(spin, moments);
@@ -124,11 +127,11 @@ TEST_CASE("tumbling about the middle axis keeps angular momentum and energy for 
     }
     CHECK(glm::length(angular_momentum(spin, moments) - momentum) < 1e-9 * glm::length(momentum));
     CHECK(glm::dot(angular_momentum(spin, moments), spin.velocity) == doctest::Approx(energy).epsilon(1e-9).scale(0.0));
-    CHECK(flipped); // the tennis racket effect: damped away where it is missing
+    CHECK(flipped); // the tennis racket effect, which damping would end
 }
 
-TEST_CASE("a symmetric top precesses at the rate of the closed form") {
-    // Moments A, A, C: in the body's axes the velocity turns about z at (A - C) / A * w_z.
+TEST_CASE("free rotation: a symmetric top precesses at the rate of the closed form") {
+    // Moments A, A, C: in the body's axes the angular velocity precesses about z at (C - A) / A * w_z.
     const double a = 2.0, c = 3.0, spin_rate = 4.0;
     Spin spin{.velocity = {0.5, 0.0, spin_rate}};
     const double seconds = 1.0;
@@ -141,7 +144,7 @@ TEST_CASE("a symmetric top precesses at the rate of the closed form") {
     CHECK(body.z == doctest::Approx(spin_rate));
 }
 
-TEST_CASE("a needle spinning far too fast is slowed down and stays finite") {
+TEST_CASE("free rotation: a needle that spins faster than a step can follow is slowed down and stays finite") {
     const glm::dvec3 moments(1e-4, 1.0, 1.0);
     Spin spin{.velocity = {5000.0, 3000.0, 100.0}};
     for (int step = 0; step < 1000; ++step) spin = free_spin(spin, moments, 1.0 / 120.0);
