@@ -1,5 +1,5 @@
-// One iteration of projected Gauss-Seidel on a single row (physics/solver/row.h), for a body in contact with a static one: the
-// oracle for rows that are solved side by side.
+// One iteration of projected Gauss-Seidel on a single row (physics/solver/row.h), for a body in contact with a static
+// one: the oracle for rows that are solved side by side.
 #pragma once
 
 #include <algorithm>

@@ -1,4 +1,5 @@
-// Air against closed forms: shadows, terminal speeds, what flies, slides and spins; that nothing turns round.
+// Air drag against closed forms: cross sections, terminal speeds, flight, sliding and spin. Drag never reverses a
+// motion.
 #include "physics/world/cross_section.h"
 
 #include <algorithm>
@@ -33,8 +34,8 @@ WorldSettings air_without_gravity(float density = static_cast<float>(air)) {
     return settings;
 }
 
-// The area of the convex hull of points seen along a direction: by walking around it (Andrew's monotone chain).
-double shadow(const std::vector<glm::dvec3>& points, const glm::dvec3& along) {
+// The area of the projection of the points' convex hull along a direction (Andrew's monotone chain).
+double projected_area(const std::vector<glm::dvec3>& points, const glm::dvec3& along) {
     const glm::dvec3 other = std::abs(along.x) < 0.6 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
     const glm::dvec3 right = glm::normalize(glm::cross(along, other)), up = glm::cross(along, right);
     std::vector<glm::dvec2> flat;
@@ -62,7 +63,7 @@ double shadow(const std::vector<glm::dvec3>& points, const glm::dvec3& along) {
     return area;
 }
 
-// A light ball; its shadow is that of its hull.
+// A ball; its cross section is that of its hull.
 struct Sphere {
     std::vector<glm::dvec3> points;
     BodyDesc body;
@@ -73,7 +74,7 @@ struct Sphere {
     }
 };
 
-// The lesser of two speeds at the beginning and the end of a step, which the terminal one is between.
+// The speed of fall in the middle of a step, half a step of gravity below the speed at its end.
 float falls_at(const BodyDesc& desc, float seconds) {
     World world({.ground_height = std::nullopt});
     const BodyId id = must_add(world, desc);
@@ -83,13 +84,14 @@ float falls_at(const BodyDesc& desc, float seconds) {
     return -v.y - static_cast<float>(0.5 * gravity / 120.0);
 }
 
-double way_to_rest(double speed, double k, double friction) {
+// The sliding distance of a body that starts at `speed`, with deceleration friction * g + k v^2.
+double distance_to_rest(double speed, double k, double friction) {
     return std::log1p(k * speed * speed / (friction * gravity)) / (2.0 * k);
 }
 
 } // namespace
 
-TEST_CASE("what spans no volume throws the shadow of the box around it") {
+TEST_CASE("air drag: points without volume have the cross section of the box around them") {
     CHECK(cross_section({}).mean() == 0.0f);
     CHECK(cross_section(std::array{glm::vec3(1.0f)}).mean() == 0.0f);
     CHECK(cross_section(std::array{glm::vec3(0.0f), glm::vec3(1.0f)}).mean() < 1e-6f);
@@ -97,7 +99,7 @@ TEST_CASE("what spans no volume throws the shadow of the box around it") {
     const std::array square{glm::vec3(0, 0, 0), glm::vec3(2, 0, 0), glm::vec3(2, 0, 1), glm::vec3(0, 0, 1)};
     CHECK(cross_section(square).along({0, 1, 0}) == doctest::Approx(2.0));
     CHECK(cross_section(square).along({1, 0, 0}) == doctest::Approx(0.0));
-    // Hulls of what has no thickness have some, but no more of a shadow.
+    // The hull of flat points has some thickness, but hardly more cross section.
     std::vector<glm::dvec3> flake;
     for (const glm::vec3& p : square) flake.emplace_back(p);
     const CrossSection of_hull = collision_hull(flake, glm::dvec3(0.0)).section;
@@ -106,7 +108,7 @@ TEST_CASE("what spans no volume throws the shadow of the box around it") {
     CHECK(collision_hull({}, glm::dvec3(0.0)).section.mean() > 0.0f);
 }
 
-TEST_CASE("boxes have their exact shadow from any side, however they are turned") {
+TEST_CASE("air drag: the cross section of a rotated box is exact from any direction") {
     test::Random random(1);
     for (int turn = 0; turn < 50; ++turn) {
         const glm::dvec3 half = random.point(glm::dvec3(0.01), glm::dvec3(1.0));
@@ -115,7 +117,7 @@ TEST_CASE("boxes have their exact shadow from any side, however they are turned"
         std::vector<glm::vec3> corners;
         for (const glm::vec3& point : box_hull(glm::vec3(half)).points)
             corners.push_back(glm::vec3(frame * glm::dvec3(point)));
-        // The hull's points are inside the box by its margin.
+        // The hull's points lie inside the box by its margin.
         glm::dvec3 inner(0.0);
         for (const glm::vec3& corner : corners)
             inner = glm::max(inner, glm::abs(glm::transpose(axes) * glm::dvec3(corner)));
@@ -131,7 +133,7 @@ TEST_CASE("boxes have their exact shadow from any side, however they are turned"
     }
 }
 
-TEST_CASE("pieces of a fracture have their shadow, and bundled one that is right on average") {
+TEST_CASE("air drag: the cross section of a fracture piece is exact, and the bundled one is right on average") {
     const auto fragments = test::voronoi_pieces(glm::dvec3(-0.5), glm::dvec3(0.5), 100, 2);
     test::Random random(3);
     double worst = 0.0, rough = 0.0, mean = 0.0;
@@ -142,7 +144,7 @@ TEST_CASE("pieces of a fracture have their shadow, and bundled one that is right
         const CrossSection section = collision_hull(points, piece.mass.centre_of_mass, {.max_vertices = 1000}).section;
         for (int i = 0; i < 100; ++i, ++count) {
             const glm::dvec3 u = random.direction();
-            const double exact = shadow(points, u);
+            const double exact = projected_area(points, u);
             worst = std::max(worst, std::abs(static_cast<double>(section.along(glm::vec3(u))) / exact - 1.0));
             const double off = static_cast<double>(bundled(section.sides).along(glm::vec3(u))) / exact - 1.0;
             rough = std::max(rough, std::abs(off));
@@ -155,7 +157,7 @@ TEST_CASE("pieces of a fracture have their shadow, and bundled one that is right
     CHECK(std::abs(mean / static_cast<double>(count)) < 0.005);
 }
 
-TEST_CASE("a plate and a ball fall at their terminal speeds") {
+TEST_CASE("air drag: a plate and a ball fall at their terminal speeds") {
     const glm::vec3 half(0.25f, 0.005f, 0.25f);
     for (const float density : {10.0f, 100.0f, 1000.0f}) {
         const float mass = density * 8.0f * half.x * half.y * half.z;
@@ -167,14 +169,14 @@ TEST_CASE("a plate and a ball fall at their terminal speeds") {
         plate.pose.orientation = glm::angleAxis(std::numbers::pi_v<float> / 2.0f, glm::vec3(1.0f, 0.0f, 0.0f));
         CHECK(static_cast<double>(falls_at(plate, 200.0f)) == doctest::Approx(terminal(0.005)).epsilon(2e-3));
         const Sphere ball(0.25, mass);
-        const double outline = shadow(ball.points, {0, 1, 0});
+        const double outline = projected_area(ball.points, {0, 1, 0});
         CHECK(static_cast<double>(falls_at(ball.body, 60.0f)) == doctest::Approx(terminal(outline)).epsilon(2e-2));
         CHECK(static_cast<double>(falls_at(ball.body, 60.0f))
               == doctest::Approx(terminal(std::numbers::pi * 0.0625)).epsilon(3e-2));
     }
 }
 
-TEST_CASE("what flies through air follows the closed form at any speed, density and step") {
+TEST_CASE("air drag: flight follows the closed form at any speed, density and step") {
     for (const float speed : {0.1f, 10.0f, 400.0f})
         for (const float density : {0.01f, 1.2f, 1000.0f})
             for (const float step : {1.0f / 120.0f, 1.0f / 30.0f}) {
@@ -193,7 +195,7 @@ TEST_CASE("what flies through air follows the closed form at any speed, density 
                 CHECK(static_cast<double>(world.linear_velocity(id).x)
                       == doctest::Approx(static_cast<double>(speed) / (1.0 + kv * 2.0)).epsilon(1e-4).scale(0.0));
                 CHECK(world.linear_velocity(id).y == 0.0f);
-                // A step moves by the velocity of its end.
+                // A step moves by the velocity at its end.
                 const double behind = std::log1p(kv * 2.0) / k - static_cast<double>(world.pose(id).position.x);
                 CHECK(behind > -1e-4 * static_cast<double>(speed));
                 CHECK(behind < static_cast<double>(step)
@@ -202,8 +204,8 @@ TEST_CASE("what flies through air follows the closed form at any speed, density 
             }
 }
 
-TEST_CASE("the shadow is that across the way, in the body's axes") {
-    // The same box as given, turned, and with a tensor in axes that are not its own.
+TEST_CASE("air drag: the cross section is taken across the direction of flight, in the body's axes") {
+    // A box whose hull, inertia tensor and pose are all rotated.
     test::Random random(4);
     for (int i = 0; i < 20; ++i) {
         World world(air_without_gravity());
@@ -223,7 +225,7 @@ TEST_CASE("the shadow is that across the way, in the body's axes") {
         desc.linear_velocity = glm::vec3(50.0 * way);
         std::vector<glm::dvec3> in_world;
         for (const glm::dvec3& corner : corners) in_world.push_back(glm::dquat(desc.pose.orientation) * corner);
-        const double k = 0.5 * air * coefficient * shadow(in_world, way);
+        const double k = 0.5 * air * coefficient * projected_area(in_world, way);
         const BodyId id = must_add(world, desc);
         run(world, 1.0f);
         CHECK(static_cast<double>(glm::length(world.linear_velocity(id)))
@@ -232,7 +234,7 @@ TEST_CASE("the shadow is that across the way, in the body's axes") {
     }
 }
 
-TEST_CASE("spin about a principal axis dies away as the closed form says") {
+TEST_CASE("air drag: spin about a principal axis decays by the closed form") {
     const glm::vec3 half(0.1f, 0.15f, 0.2f);
     const glm::dvec3 area = 4.0 * glm::dvec3(half.y * half.z, half.z * half.x, half.x * half.y);
     for (int axis = 0; axis < 3; ++axis) {
@@ -242,16 +244,16 @@ TEST_CASE("spin about a principal axis dies away as the closed form says") {
         desc.angular_velocity[axis] = 40.0f;
         const BodyId id = must_add(world, desc);
         run(world, 1.0f);
-        const double shadow_across = 2.0 / std::numbers::pi * (area[(axis + 1) % 3] + area[(axis + 2) % 3]);
+        const double area_across = 2.0 / std::numbers::pi * (area[(axis + 1) % 3] + area[(axis + 2) % 3]);
         const double gyration = std::sqrt(static_cast<double>(desc.inertia[axis][axis]) / 4.0);
-        const double k = 0.5 * 100.0 * coefficient * shadow_across * gyration / 4.0;
+        const double k = 0.5 * 100.0 * coefficient * area_across * gyration / 4.0;
         CHECK(static_cast<double>(world.angular_velocity(id)[axis])
               == doctest::Approx(40.0 / (1.0 + k * 40.0)).epsilon(1e-3));
         CHECK(glm::length(world.linear_velocity(id)) == 0.0f);
     }
 }
 
-TEST_CASE("nothing is turned round, however light, fast and dense the air, and energy never rises") {
+TEST_CASE("air drag: no motion is reversed in air of any density, and energy never rises") {
     test::Random random(5);
     for (const float step : {1.0f / 120.0f, 0.1f})
         for (const float density : {1.2f, 1e6f}) {
@@ -265,7 +267,7 @@ TEST_CASE("nothing is turned round, however light, fast and dense the air, and e
                 leaf.pose.orientation =
                     glm::angleAxis(static_cast<float>(random.uniform(0.0, 3.0)), glm::vec3(random.direction()));
                 leaf.linear_velocity = glm::vec3(400.0 * random.direction());
-                leaf.linear_velocity.y = 0.0f; // each in a storey of its own
+                leaf.linear_velocity.y = 0.0f; // each at a height of its own
                 leaf.angular_velocity = glm::vec3(1000.0 * random.direction());
                 leaves.push_back(must_add(world, leaf));
                 ways.push_back(glm::normalize(leaf.linear_velocity));
@@ -286,7 +288,7 @@ TEST_CASE("nothing is turned round, however light, fast and dense the air, and e
         }
 }
 
-TEST_CASE("a shard that slides comes as far as friction and air let it") {
+TEST_CASE("air drag: a sliding shard stops where friction and drag say") {
     const glm::vec3 half(0.15f, 0.01f, 0.1f);
     const double friction = 0.6 * 0.6, speed = 30.0;
     for (const float density : {0.0f, 1.2f, 12.0f}) {
@@ -299,12 +301,13 @@ TEST_CASE("a shard that slides comes as far as friction and air let it") {
         REQUIRE_FALSE(world.awake(id));
         const double k = 0.5 * static_cast<double>(density) * coefficient * 4.0 * 0.01 * 0.1 / 0.6;
         const double way =
-            density > 0.0f ? way_to_rest(speed, k, friction) : speed * speed / (2.0 * friction * gravity);
+            density > 0.0f ? distance_to_rest(speed, k, friction) : speed * speed / (2.0 * friction * gravity);
         CHECK(static_cast<double>(world.pose(id).position.x) == doctest::Approx(way).epsilon(0.02));
     }
 }
 
-TEST_CASE("bodies of several hulls meet the air like the box around them, or like the sum of what is in it") {
+TEST_CASE(
+    "air drag: a compound has the cross section of its bounding box or the sum over its hulls, whichever is smaller") {
     const auto slowed = [](const BodyDesc& desc, const glm::vec3& way) {
         World world(air_without_gravity());
         const BodyId id = must_add(world, desc);
@@ -312,12 +315,12 @@ TEST_CASE("bodies of several hulls meet the air like the box around them, or lik
         run(world, 1.0f);
         return 100.0f / glm::length(world.linear_velocity(id)) - 1.0f; // k v t
     };
-    // Eight cubes side by side: the faces between them meet nothing.
+    // Eight cubes side by side: air does not reach the faces between them.
     const BodyDesc whole = box({0.4f, 0.05f, 0.05f}, 3.0f, {});
     BodyDesc row = whole;
     const auto cube = std::make_shared<const CollisionHull>(box_hull(glm::vec3(0.05f)));
     for (int i = 0; i < 8; ++i) row.parts.push_back({cube, {0.1f * static_cast<float>(i) - 0.35f, 0.0f, 0.0f}});
-    // Two cubes at the ends of a stick that is not there: the box around them is nearly empty.
+    // Two cubes far apart: the box around them is nearly empty.
     BodyDesc dumbbell = whole;
     for (const float x : {-0.35f, 0.35f}) dumbbell.parts.push_back({cube, {x, 0.0f, 0.0f}});
     for (const glm::vec3 way : {glm::vec3(1, 0, 0), glm::vec3(0, 1, 0), glm::vec3(0, 0.6f, 0.8f)}) {
@@ -326,15 +329,15 @@ TEST_CASE("bodies of several hulls meet the air like the box around them, or lik
                            * static_cast<double>(std::abs(way.x) + std::abs(way.y) + std::abs(way.z)) / 3.0 * 100.0;
         CHECK(static_cast<double>(slowed(dumbbell, way)) == doctest::Approx(two).epsilon(5e-3));
     }
-    // A hull that does not know its shadow has that of its points, which lie inside by the margin.
-    BodyDesc forgetful = whole;
-    forgetful.hull.section = {};
-    const float known = slowed(whole, {0, 1, 0}), found = slowed(forgetful, {0, 1, 0});
+    // A hull without a known cross section has that of its points, which lie inside by the margin.
+    BodyDesc unknown = whole;
+    unknown.hull.section = {};
+    const float known = slowed(whole, {0, 1, 0}), found = slowed(unknown, {0, 1, 0});
     CHECK(found < known);
     CHECK(found > 0.94f * known);
 }
 
-TEST_CASE("pieces of one cut that are thrown through air lose energy, and go on") {
+TEST_CASE("air drag: thrown pieces of one cut lose energy and keep their direction") {
     const auto fragments = test::voronoi_pieces(glm::dvec3(-0.25), glm::dvec3(0.25), 60, 5);
     World world({.gravity = glm::vec3(0.0f), .ground_height = std::nullopt});
     const auto bodies = add_pieces(world, fragments, {.density = 700.0f}, {.linear_velocity = {60.0f, 0.0f, 0.0f}});
@@ -349,7 +352,7 @@ TEST_CASE("pieces of one cut that are thrown through air lose energy, and go on"
     CHECK(world.mechanics().momentum.x > 0.0);
 }
 
-TEST_CASE("a world that is cleared goes on under other settings as a new one does") {
+TEST_CASE("air drag: a world that is cleared with new settings equals a new one") {
     const WorldSettings vacuum{.ground_height = std::nullopt, .air_density = 0.0f};
     const auto fall = [](World& world) {
         must_add(world, box({0.5f, 0.01f, 0.5f}, 1.0f, {}));

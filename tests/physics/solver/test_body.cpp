@@ -23,8 +23,8 @@ glm::vec3 random_vector(test::Random& random, double low, double high) {
     return glm::vec3(random.point(glm::dvec3(low), glm::dvec3(high)));
 }
 
-// Bodies of one hull: rotated, moving, with inertia in axes of its own; own and shared hulls, off the centre, too; fixed ones
-// and debris.
+// Bodies of one hull: rotated, moving, with inertia in axes of its own; own and shared hulls, off the centre, too;
+// fixed ones and debris.
 std::vector<BodyDesc> kinds() {
     test::Random random(11);
     const auto shared = std::make_shared<const CollisionHull>(box_hull(glm::vec3(0.05f)));

@@ -1,4 +1,4 @@
-// Contacts in bundles without a body in common: against who reaches whom, by trying.
+// Bundles of contacts without a common body, against a search for connected bodies by repeated passes.
 #include "physics/solver/bundles.h"
 
 #include <algorithm>
@@ -19,7 +19,7 @@ struct Touch {
     uint32_t a, b, points;
 };
 
-// Who touches whom, directly or through others: the lowest of them, by mover.
+// By body: the lowest index among all bodies that it touches directly or through others.
 std::vector<uint32_t> groups_of(uint32_t movers, const std::vector<Touch>& touches) {
     std::vector<uint32_t> lowest(movers);
     for (uint32_t i = 0; i < movers; ++i) lowest[i] = i;
@@ -32,7 +32,7 @@ std::vector<uint32_t> groups_of(uint32_t movers, const std::vector<Touch>& touch
 void check(uint32_t movers, const std::vector<Touch>& touches, uint32_t least) {
     INFO(movers, " movers, ", touches.size(), " contacts, at least ", least);
     Bundles bundles;
-    bundles.start(3); // what was there before is forgotten
+    bundles.start(3); // start() forgets the contacts joined before
     bundles.join(0, 2, 7);
     bundles.finish(1);
     bundles.start(movers);
@@ -53,7 +53,7 @@ void check(uint32_t movers, const std::vector<Touch>& touches, uint32_t least) {
         if (!touched.contains(mover)) CHECK(bundles.of(mover) == Bundles::none);
     CHECK((bundles.count() == 0) == touches.empty());
     for (size_t i = 0; i + 1 < points.size(); ++i) CHECK(points[i] >= least);
-    // One of at least so many points has a bundle of its own, the largest one the first.
+    // A group of at least `least` points has a bundle of its own; the largest group is the first bundle.
     uint32_t largest = 0;
     for (uint32_t mover = 0; mover < movers; ++mover) {
         largest = std::max(largest, of_group[mover]);
@@ -64,7 +64,7 @@ void check(uint32_t movers, const std::vector<Touch>& touches, uint32_t least) {
 
 } // namespace
 
-TEST_CASE("contacts come in bundles that have no body in common") {
+TEST_CASE("bundles: no two have a body in common, and all but the last have the minimum of points") {
     check(0, {}, 4);
     check(5, {}, 4);
     check(2, {{1, 0, 3}}, 4);

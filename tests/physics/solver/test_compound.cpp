@@ -1,4 +1,4 @@
-// Bodies of several hulls, fixed bodies, and the report of contacts.
+// Compounds, fixed bodies, and reported contacts. Compounds on compounds: test_compound_contact.cpp.
 #include "physics/world/world.h"
 
 #include <array>
@@ -23,7 +23,7 @@ BodyDesc slabs(const glm::vec3& half, int count, float mass, const glm::vec3& po
 
 } // namespace
 
-TEST_CASE("a body of one part is the body of that hull, bit for bit") {
+TEST_CASE("compound: a body of one part equals the body of that hull, bit for bit") {
     World plain, parts;
     BodyDesc desc = box({0.2f, 0.1f, 0.15f}, 3.0f, {0.0f, 1.0f, 0.0f});
     desc.angular_velocity = {1.0f, 2.0f, 3.0f};
@@ -36,7 +36,7 @@ TEST_CASE("a body of one part is the body of that hull, bit for bit") {
     CHECK(plain.state_hash() == parts.state_hash());
 }
 
-TEST_CASE("parts that cannot be are refused with their number") {
+TEST_CASE("compound: an invalid part is refused with its number") {
     World world;
     const BodyDesc good = slabs({0.2f, 0.1f, 0.1f}, 3, 1.0f, {});
     std::array<BodyDesc, 3> bad{good, good, good};
@@ -52,7 +52,7 @@ TEST_CASE("parts that cannot be are refused with their number") {
     CHECK(world.add_body(good).has_value());
 }
 
-TEST_CASE("a compound stands on the ground without a gap, and each hull reports its contacts") {
+TEST_CASE("compound: it stands on the ground without a gap, and each hull reports its contacts") {
     World world({.sleeping = false});
     const BodyId id = must_add(world, slabs({0.3f, 0.1f, 0.1f}, 3, 9.0f, {0.0f, 0.1f, 0.0f}));
     run(world, 2.0f);
@@ -67,10 +67,10 @@ TEST_CASE("a compound stands on the ground without a gap, and each hull reports 
         CHECK(contact.normal.y == 1.0f);
         CHECK(std::abs(contact.point.y) < 1e-3f);
         CHECK(std::abs(contact.speed) < 0.01f);
-        // Below the slab that it names.
+        // Below the named slab.
         CHECK(std::abs(contact.point.x - (-0.2f + 0.2f * static_cast<float>(contact.part_a))) < 0.11f);
     }
-    // Each step the ground gives back what gravity brings.
+    // In each step the ground's impulse cancels gravity's.
     CHECK(carried[0] + carried[1] + carried[2] == doctest::Approx(9.0 * 9.81 / 120.0).epsilon(0.02));
     std::vector<DebugLine> lines;
     world.debug_lines(lines);
@@ -81,10 +81,10 @@ TEST_CASE("a compound stands on the ground without a gap, and each hull reports 
     }
 }
 
-TEST_CASE("an L of two boxes that overhangs falls over, one that does not stays") {
+TEST_CASE("compound: an L of two boxes falls over if its centre of mass overhangs, and stands if not") {
     for (const bool overhangs : {false, true}) {
         World world;
-        // A leg of a cube of 0.2 and an arm on top of it that reaches out.
+        // A leg, a cube of 0.2 m, and an arm on top of it.
         const float arm = overhangs ? 0.8f : 0.3f, density = 1000.0f;
         const float leg_mass = 0.008f * density, arm_mass = arm * 0.04f * density, mass = leg_mass + arm_mass;
         const glm::vec3 leg(0.0f, 0.1f, 0.0f), top(arm * 0.5f - 0.1f, 0.3f, 0.0f);
@@ -108,9 +108,9 @@ TEST_CASE("an L of two boxes that overhangs falls over, one that does not stays"
     }
 }
 
-TEST_CASE("compounds collide with their hulls, not with the box around them, and momentum survives") {
+TEST_CASE("compound: it collides with its hulls, not with the box around them, and momentum survives") {
     World world(empty_space);
-    // A U: a ball of a box flies through between its arms and hits the bottom.
+    // A U: a box flies between its arms and hits the bottom.
     BodyDesc desc;
     desc.mass = 10.0f;
     desc.inertia = box_inertia({0.5f, 0.5f, 0.1f}, 10.0f);
@@ -144,7 +144,7 @@ TEST_CASE("compounds collide with their hulls, not with the box around them, and
     CHECK(glm::length(after.momentum - before.momentum) < 1e-4 * glm::length(before.momentum));
 }
 
-TEST_CASE("a fixed body holds what stands on it, cannot be moved, and lets it fall when it goes") {
+TEST_CASE("fixed bodies: one carries the body on it, cannot be moved, and after its removal the body falls") {
     World world;
     BodyDesc shelf = slabs({0.5f, 0.05f, 0.5f}, 4, 1.0f, {0.0f, 1.0f, 0.0f});
     shelf.fixed = true;
@@ -164,7 +164,7 @@ TEST_CASE("a fixed body holds what stands on it, cannot be moved, and lets it fa
     CHECK(world.mechanics(held).kinetic == 0.0);
     CHECK(world.mechanics(held).potential == 0.0);
     CHECK(std::abs(world.pose(on_top).position.y - 1.15f) < 2e-3f);
-    float carried = 0.0f; // asleep, it presses still
+    float carried = 0.0f; // the sleeping body still presses
     for (const Contact& contact : world.contacts()) carried += contact.impulse;
     CHECK(carried == doctest::Approx(5.0 * 9.81 / 120.0).epsilon(0.05));
     CHECK(world.remove_body(held));
@@ -172,7 +172,7 @@ TEST_CASE("a fixed body holds what stands on it, cannot be moved, and lets it fa
     CHECK(world.pose(on_top).position.y == doctest::Approx(0.1).epsilon(0.02).scale(0.0));
 }
 
-TEST_CASE("impulse and friction of a contact are what the bodies got") {
+TEST_CASE("contacts: normal and friction impulses equal the change of momentum") {
     World world(empty_space);
     const BodyId left = must_add(world, box({0.1f, 0.1f, 0.1f}, 1.0f, {-0.3f, 0.0f, 0.0f}));
     BodyDesc desc = box({0.1f, 0.1f, 0.1f}, 2.0f, {0.3f, 0.02f, 0.01f});
@@ -196,7 +196,7 @@ TEST_CASE("impulse and friction of a contact are what the bodies got") {
     CHECK(seen > 0);
 }
 
-TEST_CASE("velocities can be replaced, and a response is one over the mass that is felt") {
+TEST_CASE("world: velocities can be replaced, and a response is the inverse effective mass") {
     World world(empty_space);
     const BodyId id = must_add(world, box({0.1f, 0.2f, 0.3f}, 2.0f, {1.0f, 2.0f, 3.0f}));
     world.set_velocity(id, {1.0f, 2.0f, 3.0f}, {4.0f, 5.0f, 6.0f});
@@ -211,14 +211,14 @@ TEST_CASE("velocities can be replaced, and a response is one over the mass that 
     CHECK(world.response(id, point, {0.0f, 1.0f, 0.0f}) == doctest::Approx(speed).epsilon(1e-4));
 }
 
-TEST_CASE("advance calls back after each of its steps") {
+TEST_CASE("world: advance calls back after each of its steps") {
     World world;
     int calls = 0;
     world.advance(2.5 / 120.0, [&] { ++calls; });
     CHECK(calls == 2);
 }
 
-TEST_CASE("compounds give the same state again, in a new world and in a cleared one") {
+TEST_CASE("compound: the same calls give the same state, in a new world and in a cleared one") {
     const auto play = [](World& world) {
         test::Random random(11);
         for (int i = 0; i < 12; ++i) {

@@ -63,10 +63,12 @@ TEST_CASE("compound on compound: beams that lie on each other in turns rest with
         world.step();
         for (size_t i = 0; i < beams.size(); ++i) {
             const float height = 0.05f + 0.1f * static_cast<float>(i);
-            CHECK(std::abs(world.pose(beams[i]).position.y - height) < 2e-3f);
+            CHECK(std::abs(world.pose(beams[i]).position.y - height) < 3e-3f); // until overlap is corrected
         }
     }
     CHECK(world.awake_count() == 0);
+    for (size_t i = 0; i < beams.size(); ++i)
+        CHECK(std::abs(world.pose(beams[i]).position.y - 0.05f - 0.1f * static_cast<float>(i)) < 2e-4f);
     // Each carries those above it.
     for (size_t i = 1; i < beams.size(); ++i) {
         float carried = 0.0f;
@@ -83,8 +85,8 @@ TEST_CASE("compound on compound: a dropped pile of crosses comes to rest, no bar
     World world;
     test::Random random(3);
     std::vector<BodyId> crosses;
-    for (int i = 0; i < 20; ++i) {
-        BodyDesc one = cross_of_bars(3.0f, glm::vec3(random.point({-0.3, 0.4, -0.3}, {0.3, 0.6, 0.3})));
+    for (int i = 0; i < 40; ++i) {
+        BodyDesc one = cross_of_bars(3.0f, glm::vec3(random.point({-0.1, 0.4, -0.1}, {0.1, 0.6, 0.1})));
         one.pose.position.y += 0.35f * static_cast<float>(i);
         one.pose.orientation =
             glm::angleAxis(static_cast<float>(random.uniform(0.0, 3.0)), glm::vec3(random.direction()));

@@ -1,5 +1,5 @@
-// Continuous collision: small and fast bodies do not pass through thin ones, a blow is one whole impulse, and bodies that only
-// fly past are left alone.
+// Continuous collision: small and fast bodies do not pass through thin ones, a blow is one whole impulse, and bodies
+// that only fly past are left alone.
 #include "physics/world/world.h"
 
 #include <algorithm>
@@ -41,7 +41,8 @@ struct Shot {
     float size = 0.0f;   // of the box, m
     float speed = 0.0f;  // m/s
     bool tilted = false; // the slab
-    // 0 .. 8: 0 to 2 parallel to the slab, 3 to 5 rotated, 6 to 8 rotated and spinning; every third one flies obliquely.
+    // 0 .. 8: 0 to 2 parallel to the slab, 3 to 5 rotated, 6 to 8 rotated and spinning; every third one flies
+    // obliquely.
     int place = 0;
     int slab_parts = 1, parts = 1;
 };
@@ -235,8 +236,8 @@ namespace {
 
 // Nine tiles in the path of a heavy block three times as wide, and the block, after it has pushed them along.
 struct Driven {
-    // In units of the block's initial speed: the tiles' speeds along its path, the speeds of their rims from their spin, the mean
-    // of the former, and the block's own final speed.
+    // In units of the block's initial speed: the tiles' speeds along its path, the speeds of their rims from their
+    // spin, the mean of the former, and the block's own final speed.
     std::vector<float> speeds, turns;
     float mean = 0.0f, block = 0.0f;
 
@@ -279,8 +280,8 @@ struct Driven {
 
 } // namespace
 
-// The oracle is the same run in steps of 1/1920 s. The bounds were set from measured errors. With contacts at the nearest point
-// alone, flat tiles got 0.3 to 1.1 of the speed, and tilted ones 0.24 to 0.71 of it on average.
+// The oracle is the same run in steps of 1/1920 s. The bounds were set from measured errors. With contacts at the
+// nearest point alone, flat tiles got 0.3 to 1.1 of the speed, and tilted ones 0.24 to 0.71 of it on average.
 TEST_CASE(
     "continuous collision: a heavy block pushes the light tiles in its path as in fine steps, and is not stopped") {
     for (const float speed : {10.0f, 20.0f, 60.0f})
@@ -336,8 +337,9 @@ struct Struck {
 
 } // namespace
 
-// 480 shots each. Without speculative contacts between boxes of similar mass, 118 and 119 passed through, and the velocity of
-// the struck box was wrong by a tenth of the other's speed on average. The bounds were set from measured errors.
+// 480 shots each. Without speculative contacts between boxes of similar mass, 118 and 119 passed through, and the
+// velocity of the struck box was wrong by a tenth of the other's speed on average. The bounds were set from measured
+// errors.
 TEST_CASE("continuous collision: boxes of similar mass do not pass through each other, and strike as in fine steps") {
     for (const auto& [case_ratio, max_passed] : {std::pair(1.0f, 3), {0.8f, 1}}) { // 0.8: half of the mass
         const auto ratio = case_ratio; // clang 14 captures no structured binding

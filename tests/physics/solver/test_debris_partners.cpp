@@ -1,4 +1,5 @@
-// What debris of any size meets of what moves, and what becomes of it: falls through, lies on, is driven. Who is debris: test_crowd.cpp.
+// The bodies that debris collides with: it lies on them and is pushed by them, and falls through all others. Which
+// bodies become debris: test_crowd.cpp.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -24,13 +25,12 @@ constexpr float half = block_half;
 
 } // namespace
 
-TEST_CASE(
-    "debris: of any size it falls through debris, but lies on the ground, on what is fixed and on what collides") {
+TEST_CASE("debris: of any size it falls through debris, but lies on the ground, on fixed and on colliding bodies") {
     World world;
     for (const auto& [x, fixed] : {std::pair(2.0f, true), std::pair(4.0f, false)}) {
         BodyDesc floor = box({0.3f, 0.05f, 0.3f}, 50.0f, {x, 0.05f, 0.0f});
         floor.fixed = fixed;
-        floor.debris = fixed; // not looked at
+        floor.debris = fixed; // ignored: a fixed body is no debris
         must_add(world, floor);
     }
     std::vector<BodyId> blocks;
@@ -47,8 +47,9 @@ TEST_CASE(
     CHECK(world.awake_count() == 0);
 }
 
-TEST_CASE("debris: it falls through what is not twice as long, and lies on what is, whoever came first") {
-    // Plates that lie on the ground, the sides of the longest, and a block 10 cm long of debris above each.
+TEST_CASE("debris: it lies on bodies twice as long and falls through shorter ones, in either order of addition") {
+    // Plates on the ground, and above each a block of debris, 10 cm long. By plate: its longest side, and whether it
+    // carries.
     for (const bool debris_first : {false, true}) {
         World world;
         std::vector<BodyId> plates, blocks;
@@ -57,7 +58,7 @@ TEST_CASE("debris: it falls through what is not twice as long, and lies on what 
         float x = 0.0f;
         for (const auto& [length, carries] : lengths) {
             BodyDesc plate = box({length / 2.0f, 0.02f, 0.45f * length}, 5.0f, {x, 0.02f, 0.0f});
-            plate.pose.orientation = glm::angleAxis(x, glm::vec3(0.0f, 1.0f, 0.0f)); // however it lies
+            plate.pose.orientation = glm::angleAxis(x, glm::vec3(0.0f, 1.0f, 0.0f)); // in any orientation
             if (!debris_first) plates.push_back(must_add(world, plate));
             blocks.push_back(must_add(world, block({x, 0.2f, 0.0f}, true)));
             if (debris_first) plates.push_back(must_add(world, plate));
@@ -76,10 +77,10 @@ TEST_CASE("debris: it falls through what is not twice as long, and lies on what 
     }
 }
 
-TEST_CASE("debris: a body of several hulls is as long as all of them together") {
+TEST_CASE("debris: the length of a compound is that of all its hulls together") {
     World world;
     const glm::vec3 beam(0.15f, 0.02f, 0.05f);
-    must_add(world, in_slabs(box(beam, 5.0f, {0.0f, 0.02f, 0.0f}), beam, 5)); // of slabs shorter than a block
+    must_add(world, in_slabs(box(beam, 5.0f, {0.0f, 0.02f, 0.0f}), beam, 5)); // its slabs are shorter than a block
     must_add(world, in_slabs(box(beam, 5.0f, {1.0f, 0.02f, 0.0f}), beam, 5));
     BodyDesc long_debris = in_slabs(box({0.16f, 0.02f, 0.02f}, 1.0f, {1.0f, 0.2f, 0.0f}), {0.16f, 0.02f, 0.02f}, 8);
     long_debris.debris = true;
@@ -90,11 +91,11 @@ TEST_CASE("debris: a body of several hulls is as long as all of them together") 
     CHECK(world.awake_count() == 0);
 }
 
-TEST_CASE("debris: what moves drives debris if it is twice as long, and does not feel it otherwise, slow or fast") {
+TEST_CASE("debris: a moving body pushes debris if it is twice as long, and passes through it else, at any speed") {
     for (const float speed : {0.5f, 5.0f, 50.0f}) {
         CAPTURE(speed);
         World world(empty_space);
-        std::vector<std::pair<BodyId, BodyId>> rows; // who flies, at what
+        std::vector<std::pair<BodyId, BodyId>> rows; // the flying body and its target
         for (const float length : {0.1f, 0.19f, 0.21f, 0.6f}) {
             const float x = 2.0f * static_cast<float>(rows.size());
             BodyDesc flies = box({length / 2.0f, 0.05f, 0.05f}, 4.0f, {x, 0.0f, 0.5f});
@@ -118,7 +119,7 @@ TEST_CASE("debris: what moves drives debris if it is twice as long, and does not
             if (i < 2) {
                 CHECK(flies == glm::vec3(0.0f, 0.0f, -speed));
                 CHECK(struck == glm::vec3(0.0f));
-            } else { // 1 kg before 4 kg
+            } else { // 1 kg, struck by 4 kg
                 CHECK(-struck.z > 0.75f * speed);
                 CHECK(-flies.z < 0.85f * speed);
             }
@@ -129,21 +130,20 @@ TEST_CASE("debris: what moves drives debris if it is twice as long, and does not
     }
 }
 
-// Plates that lie on the ground, by their longest sides, a block of debris 10 cm long above each, and debris far away.
-TEST_CASE("debris: what comes into a crowd of debris falls through what carried the debris before it") {
+TEST_CASE("debris: added to a crowd of debris, it falls through bodies that carry earlier debris") {
     struct Plate {
         float length;
         bool large, fixed;
     };
     const Plate plates[] = {{0.25f, false, false}, {0.39f, false, false}, {0.41f, false, false}, {0.79f, false, false},
                             {0.81f, false, false}, {0.12f, true, false},  {0.3f, false, true}};
-    // Debris far away, and the longest plate that a block falls through then: with the blocks that lie there and those that come it is 14
-    // more.
+    // The number of pieces of debris far away, and the length of plate below which a new block then falls through. The
+    // crowd counts 14 blocks more: those that lie on the plates and those that are added.
     for (const auto& [case_others, longest] :
          {std::pair(0, 0.2f), std::pair(6, 0.2f), std::pair(16, 0.4f), std::pair(36, 0.8f)}) {
         // clang 14 captures no structured binding
         const auto others = case_others;
-        for (const bool sleeping : {false, true}) { // the others, before the blocks come
+        for (const bool sleeping : {false, true}) { // the crowd, before the blocks are added
             CAPTURE(others);
             CAPTURE(sleeping);
             World world({.max_colliding = 10});
@@ -155,8 +155,8 @@ TEST_CASE("debris: what comes into a crowd of debris falls through what carried 
                 plate.large = large;
                 plate.fixed = fixed;
                 must_add(world, plate);
-                lie.push_back(must_add(
-                    world, block({static_cast<float>(2 * i), 0.04f + half, 0.0f}, true))); // before there is a crowd
+                lie.push_back(must_add(world, block({static_cast<float>(2 * i), 0.04f + half, 0.0f},
+                                                    true))); // added before there is a crowd
             }
             std::vector<BodyDesc> crowd, blocks;
             for (int i = 0; i < others; ++i) crowd.push_back(block({static_cast<float>(i), half, 9.0f}, true));
@@ -180,7 +180,7 @@ TEST_CASE("debris: what comes into a crowd of debris falls through what carried 
     }
 }
 
-TEST_CASE("debris: what is called large carries debris however small it is, unless it is debris itself") {
+TEST_CASE("debris: a body marked large carries debris of any size, unless it is debris itself") {
     World world;
     std::vector<BodyId> blocks;
     for (const bool large : {false, true})
@@ -200,11 +200,11 @@ TEST_CASE("debris: what is called large carries debris however small it is, unle
     CHECK(world.awake_count() == 0);
 }
 
-TEST_CASE("debris: on a body that goes falls, and through its like on to the ground") {
+TEST_CASE("debris: on a removed body, it falls through a body of its own size to the ground") {
     World world;
     const BodyId table = must_add(world, box({0.3f, 0.05f, 0.3f}, 50.0f, {0.0f, 0.25f, 0.0f}));
     for (const float x : {-0.2f, 0.2f})
-        must_add(world, box({0.02f, 0.1f, 0.3f}, 5.0f, {x, 0.1f, 0.0f})); // what it stands on
+        must_add(world, box({0.02f, 0.1f, 0.3f}, 5.0f, {x, 0.1f, 0.0f})); // the legs of the table
     const BodyId like = must_add(world, block({0.0f, half, 0.0f}));
     const BodyId debris = must_add(world, block({0.02f, 0.3f + half + 0.01f, 0.01f}, true));
     run(world, 3.0f);
@@ -216,12 +216,11 @@ TEST_CASE("debris: on a body that goes falls, and through its like on to the gro
     CHECK(std::abs(world.pose(debris).position.y - half) < 2e-3f);
     CHECK(std::abs(world.pose(like).position.y - half) < 2e-3f);
     CHECK(world.awake_count() == 0);
-    CHECK(world.remove_body(like)); // in which it lies
+    CHECK(world.remove_body(like)); // which the debris overlaps
     CHECK(world.awake_count() == 0);
 }
 
-TEST_CASE(
-    "debris: among its like and what is larger comes to rest where something carries it, on any number of threads") {
+TEST_CASE("debris: among debris and larger bodies it comes to rest on what carries it, on any number of threads") {
     struct End {
         std::vector<uint64_t> hashes;
         float seconds = 0.0f;
@@ -251,10 +250,10 @@ TEST_CASE(
     for (const uint32_t threads : {2u, 3u}) CHECK(heap(threads).hashes == alone.hashes);
 }
 
-TEST_CASE("debris: a ball that is shot at debris drives all of it that is in its way, and momentum is kept") {
+TEST_CASE("debris: a ball pushes all debris in its path, and momentum is conserved") {
     World world(empty_space);
-    // Each stands in another one, as debris may.
-    std::vector<std::pair<BodyId, bool>> heap; // and whether it is in the way
+    // Each overlaps another one, as debris may.
+    std::vector<std::pair<BodyId, bool>> heap; // and whether it is in the ball's path
     for (int twice = 0; twice < 2; ++twice)
         for (int x = -1; x <= 1; ++x)
             for (int y = -1; y <= 1; ++y)

@@ -1,4 +1,5 @@
-// Contacts of hulls with the ground: the corners that have one, against each corner by itself; warm starting; hulls of a compound.
+// Contacts of hulls with the ground: the corners that have one, against each corner by itself; warm starting; hulls of
+// a compound.
 #include "physics/solver/ground_contact.h"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// What falls in hundreds: how deep it goes into the ground, when it sleeps, that it does not gain energy.
+// Heaps of hundreds of pieces: how deep they sink into the ground, when they sleep, and that they gain no energy.
 #include "physics/world/pieces.h"
 
 #include <algorithm>
@@ -33,7 +33,7 @@ fracture::TriangleMesh lifted(fracture::TriangleMesh mesh) {
     return mesh;
 }
 
-// The lowest of points where a body stands.
+// The height of the lowest of a body's points, m.
 float lowest_of(const Pose& pose, const auto& points) {
     float lowest = std::numeric_limits<float>::infinity();
     for (const auto& p : points) lowest = std::min(lowest, (pose.position + pose.orientation * glm::vec3(p)).y);
@@ -72,15 +72,16 @@ void drop(const std::string& name, const fracture::TriangleMesh& mesh, uint32_t 
                            << energy.max_above_min / energy.start);
     CHECK(world.awake_count() == 0);
     CHECK(energy.steepest < 1e-4 * energy.start);
-    CHECK(energy.risen < 5e-4 * energy.start);         // set after seeing 1.2e-4, and 3.4e-4 in 75 heaps
-    CHECK(energy.max_above_min < 2e-4 * energy.start); // and 5e-5, and 1.7e-4
+    CHECK(energy.risen < 5e-4 * energy.start);         // measured: 1.2e-4, and 3.4e-4 in 75 heaps
+    CHECK(energy.max_above_min < 2e-4 * energy.start); // measured: 5e-5, and 1.7e-4
     CHECK(hull > -2e-3f);
-    // What hulls of 32 points leave out of pieces a fifth of a metre long, and what their margins round off: 1 to 6 mm.
+    // Of pieces a fifth of a metre long, hulls of 32 points leave out and margins round off corners of 1 to 6 mm.
     CHECK(vertex > -0.008f);
     CHECK(centre > -1e-3f);
 }
 
-// Sanitizers make a drop ten times as long, and look at the same code in each. BRITTLE_LONG_RUNS=1 drops 75 (HACKING.md).
+// Sanitizers make a drop ten times as long, and every drop runs the same code. BRITTLE_LONG_RUNS=1 drops 75
+// (HACKING.md).
 uint64_t last_seed() {
     const char* const wanted = std::getenv("BRITTLE_LONG_RUNS");
     if (wanted && *wanted) return 15;
@@ -121,6 +122,6 @@ TEST_CASE("three hundred pieces of the bunny fall asleep within ten seconds, non
     const auto bunny = fracture::import_mesh(bunny_file);
     REQUIRE(bunny);
     for (uint64_t seed = 1; seed <= last_seed(); ++seed) drop("bunny", lifted(*bunny), 570, seed);
-    if (last_seed() < 6)
-        drop("bunny", lifted(*bunny), 570, 6); // a repair of overlap moved a piece 2 mm down as all fell asleep
+    // Once, a correction of overlap moved a piece of this seed 2 mm down as all fell asleep.
+    if (last_seed() < 6) drop("bunny", lifted(*bunny), 570, 6);
 }

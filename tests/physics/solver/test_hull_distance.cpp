@@ -62,8 +62,8 @@ double gap(const HullShape& a, const HullShape& b, const Transform& b_in_a, cons
     return -support_of(a, {}, -direction) - support_of(b, b_in_a, direction);
 }
 
-// A distance is right if the normal separates the hulls by it, so that the hulls are no nearer, and if the two points lie in
-// their hulls, so that the hulls are no farther. Random directions test whether a point lies in a hull.
+// A distance is right if the normal separates the hulls by it, so that the hulls are no nearer, and if the two points
+// lie in their hulls, so that the hulls are no farther. Random directions test whether a point lies in a hull.
 void check_certificate(const HullShape& a, const HullShape& b, const Transform& b_in_a, const HullDistance& found,
                        Random& random) {
     // Positions are rounded to 1e-7 of the coordinates, so a small hull far from the first one's origin is less exact.
@@ -90,9 +90,9 @@ void check_certificate(const HullShape& a, const HullShape& b, const Transform& 
     CHECK(-static_cast<double>(found.distance) < best + bound);
 }
 
-// The exact answer by exhaustion, in double. Every triangle, segment and corner of a hull's points lies in the hull, and the
-// nearest points lie on a corner and a triangle or on two segments. The least overlap of two hulls is along the normal of a
-// triangle or along the cross product of two segments.
+// The exact answer by exhaustion, in double. Every triangle, segment and corner of a hull's points lies in the hull,
+// and the nearest points lie on a corner and a triangle or on two segments. The least overlap of two hulls is along the
+// normal of a triangle or along the cross product of two segments.
 class Exhaustive {
   public:
     Exhaustive(const HullShape& a, const HullShape& b, const Transform& b_in_a) {

@@ -133,23 +133,7 @@ TEST_CASE("manifold: a point within the threshold of a known one replaces it and
     CHECK(stack.at(-1.01f * threshold, 0.0f)->normal_impulse == 0.0f);
 }
 
-TEST_CASE("manifold: a fifth point replaces the corner of a square that it lies outside of") {
-    for (const float x : {-0.3f, 0.3f})
-        for (const float z : {-0.3f, 0.3f}) {
-            Stack stack;
-            for (const float corner_x : {-0.3f, 0.3f})
-                for (const float corner_z : {-0.3f, 0.3f}) stack.add(corner_x, corner_z);
-            stack.add(1.5f * x, 1.5f * z);
-            CHECK(stack.manifold.count() == 4);
-            CHECK(stack.at(1.5f * x, 1.5f * z) != nullptr);
-            CHECK(stack.at(x, z) == nullptr);
-            CHECK(stack.at(-x, z) != nullptr);
-            CHECK(stack.at(x, -z) != nullptr);
-            CHECK(stack.at(-x, -z) != nullptr);
-        }
-}
-
-TEST_CASE("manifold: the deepest of five points stays, also where the others span less without it") {
+TEST_CASE("manifold: of five points the new one and the deepest stay") {
     for (const float x : {-0.3f, 0.3f})
         for (const float z : {-0.3f, 0.3f}) {
             Stack stack;
@@ -171,7 +155,7 @@ TEST_CASE("manifold: the deepest of five points stays, also where the others spa
             const auto depth = static_cast<float>(random.uniform(0.0, 0.1));
             stack.add(x, z, -depth);
             CHECK(stack.manifold.count() <= Manifold::max_points);
-            REQUIRE(stack.at(x, z)); // the new one always comes in
+            REQUIRE(stack.at(x, z)); // the new one
             const bool near_deepest = glm::length(glm::vec3(x - deepest_x, 0.0f, z - deepest_z))
                                       < 2.0f * stack.manifold.breaking_threshold(); // may take its place
             if (depth > deepest || near_deepest) deepest = depth, deepest_x = x, deepest_z = z;

@@ -1,4 +1,4 @@
-// Pieces that come together: what the world need not look at changes nothing of what happens.
+// Siblings, the pieces of one cut: skipping their pairs while they fly as one changes no result.
 #include <algorithm>
 #include <optional>
 #include <vector>
@@ -17,7 +17,7 @@ using namespace brittle::physics::test_bodies;
 
 namespace {
 
-// A row of boxes that touch, a metre above the ground.
+// A row of touching boxes, a metre above the ground.
 std::vector<BodyDesc> row_of_boxes(int count) {
     std::vector<BodyDesc> row;
     for (int i = 0; i < count; ++i)
@@ -25,10 +25,10 @@ std::vector<BodyDesc> row_of_boxes(int count) {
     return row;
 }
 
-// Of a world in which they come, after a second; as siblings or not.
+// The state one second after the bodies were added, as siblings or not.
 struct Outcome {
     uint64_t hash;
-    float widest = 0.0f; // distance of the first from the last at the end
+    float widest = 0.0f; // m, distance of the first body from the last
 };
 Outcome after_a_second(std::vector<BodyDesc> bodies, bool siblings, const WorldSettings& settings = {}) {
     World world(settings);
@@ -44,7 +44,7 @@ Outcome after_a_second(std::vector<BodyDesc> bodies, bool siblings, const WorldS
 
 } // namespace
 
-TEST_CASE("pieces of one cut that are thrown fly as the whole would, and press on nobody") {
+TEST_CASE("siblings: thrown pieces of one cut fly as the whole would, without contacts") {
     const auto fragments = test::voronoi_pieces(glm::dvec3(-0.25), glm::dvec3(0.25), 60, 5);
     World world({.ground_height = std::nullopt, .air_density = 0.0f});
     const glm::vec3 speed(1.0f, 4.0f, -2.0f);
@@ -56,7 +56,7 @@ TEST_CASE("pieces of one cut that are thrown fly as the whole would, and press o
         world.step();
         CHECK(world.contacts().empty());
     }
-    // Each step has the velocity of its end.
+    // A step moves by the velocity at its end.
     const glm::dvec3 way =
         glm::dvec3(speed) * (steps * step) + glm::dvec3(0.0, -9.81, 0.0) * (step * step * steps * (steps + 1) / 2);
     for (size_t i = 0; i < bodies->size(); ++i) {
@@ -66,7 +66,7 @@ TEST_CASE("pieces of one cut that are thrown fly as the whole would, and press o
     }
 }
 
-TEST_CASE("siblings that move into each other collide as strangers do") {
+TEST_CASE("siblings: pieces that move into each other collide as other bodies do") {
     // The outer ones close in on the middle.
     std::vector<BodyDesc> row = row_of_boxes(3);
     row.front().linear_velocity = {1.5f, 0.0f, 0.0f};
@@ -76,38 +76,38 @@ TEST_CASE("siblings that move into each other collide as strangers do") {
     CHECK(siblings.widest > 0.39f);
 }
 
-TEST_CASE("siblings that turn against each other collide as strangers do") {
+TEST_CASE("siblings: pieces that rotate against each other collide as other bodies do") {
     std::vector<BodyDesc> row = row_of_boxes(2);
     row.back().angular_velocity = {0.0f, 5.0f, 0.0f};
     CHECK(after_a_second(row, true).hash == after_a_second(row, false).hash);
 }
 
-TEST_CASE("siblings that stand on the ground or touch a stranger press as strangers do") {
+TEST_CASE("siblings: pieces that stand on the ground or touch another body press as other bodies do") {
     std::vector<BodyDesc> column = row_of_boxes(4);
     for (size_t i = 0; i < column.size(); ++i)
         column[i].pose.position = {0.0f, 0.1f + 0.2f * static_cast<float>(i), 0.0f};
     CHECK(after_a_second(column, true).hash == after_a_second(column, false).hash);
 
-    // In the air, with a body on its way that hits the row in the first step.
-    const auto hit_row = [](bool siblings, bool stranger_first) {
+    // In the air; another body hits the row in the first step.
+    const auto hit_row = [](bool siblings, bool other_first) {
         World world;
         const uint32_t number = world.new_siblings();
-        BodyDesc stranger = box({0.1f, 0.1f, 0.1f}, 4.0f, {-0.21f, 1.0f, 0.0f});
-        stranger.linear_velocity = {3.0f, 0.0f, 0.0f};
-        if (stranger_first) must_add(world, stranger);
+        BodyDesc other = box({0.1f, 0.1f, 0.1f}, 4.0f, {-0.21f, 1.0f, 0.0f});
+        other.linear_velocity = {3.0f, 0.0f, 0.0f};
+        if (other_first) must_add(world, other);
         for (BodyDesc& body : row_of_boxes(3)) {
             body.siblings = siblings ? number : 0;
             must_add(world, body);
         }
-        if (!stranger_first) must_add(world, stranger);
+        if (!other_first) must_add(world, other);
         run(world, 1.0f);
         return world.state_hash();
     };
     for (const bool first : {false, true}) CHECK(hit_row(true, first) == hit_row(false, first));
 }
 
-TEST_CASE("siblings of two things that come in turns are told apart") {
-    // Of the one row the last box moves into the others, at the velocity of the other row.
+TEST_CASE("siblings: two cuts whose pieces are added in turns are told apart") {
+    // The last box of the first row moves into its siblings, at the velocity of the second row.
     const auto outcome = [](bool siblings) {
         World world;
         const uint32_t one = world.new_siblings(), other = world.new_siblings();
@@ -127,7 +127,7 @@ TEST_CASE("siblings of two things that come in turns are told apart") {
     CHECK(outcome(true) == outcome(false));
 }
 
-TEST_CASE("siblings that fall on the ground end as a heap, not in each other") {
+TEST_CASE("siblings: pieces that fall on the ground end as a heap, not inside each other") {
     World world;
     const auto fragments = test::voronoi_pieces({-0.25, 0.4, -0.25}, {0.25, 0.9, 0.25}, 80, 3);
     const auto bodies = add_pieces(world, fragments, {}, {});
@@ -135,14 +135,14 @@ TEST_CASE("siblings that fall on the ground end as a heap, not in each other") {
     world.step();
     CHECK(world.contacts().empty());
     run(world, 4.0f);
-    // Pieces are 10 cm wide: what had not been looked at would be centimetres deep.
+    // Pieces are 10 cm wide: a pair that was never searched would be centimetres deep.
     float deepest = 0.0f;
     for (const Contact& contact : world.contacts()) deepest = std::min(deepest, contact.gap);
     CHECK(world.contacts().size() > bodies->size());
     CHECK(deepest > -5e-3f);
 }
 
-TEST_CASE("contacts of a step are told after a body has gone, with its name") {
+TEST_CASE("contacts: those of the last step still name a body that was removed since") {
     World world;
     std::vector<BodyDesc> boxes = row_of_boxes(2);
     boxes[0].pose.position = {0.0f, 0.1f, 0.0f};

@@ -1,4 +1,5 @@
-// Who rests in an island that is awake: it does not creep, gives way to what pushes it, and falls when its support goes.
+// Resting bodies in an island that is awake: they do not creep, they move when pushed, and they fall when their support
+// is gone.
 #include <cmath>
 
 #include <doctest/doctest.h>
@@ -13,7 +14,7 @@ using namespace brittle::physics::test_bodies;
 
 namespace {
 
-// Two boxes on each other beside a third, which is disturbed in each step, so that none of the three falls asleep.
+// Two stacked boxes beside a third one, which is disturbed in each step: none of the three falls asleep.
 struct Neighbours {
     World world;
     BodyId lower, upper, restless;
@@ -35,7 +36,7 @@ struct Neighbours {
 
 } // namespace
 
-TEST_CASE("who rests beside what does not stays where it is to the bit, and presses by its weight") {
+TEST_CASE("resting: bodies beside a restless one keep their place to the bit, and press by their weight") {
     Neighbours three;
     three.settle();
     const glm::vec3 lower = three.world.pose(three.lower).position, upper = three.world.pose(three.upper).position;
@@ -58,7 +59,7 @@ TEST_CASE("who rests beside what does not stays where it is to the bit, and pres
     CHECK(three.world.awake(three.upper));
 }
 
-TEST_CASE("who rests by itself, near what does not, stays where it is to the bit, and presses by its weight") {
+TEST_CASE("resting: a body alone near a restless one keeps its place to the bit, and presses by its weight") {
     World world;
     const BodyId rests = must_add(world, box(glm::vec3(0.1f), 8.0f, {0.0f, 0.1f, 0.0f}));
     const BodyId restless =
@@ -82,7 +83,7 @@ TEST_CASE("who rests by itself, near what does not, stays where it is to the bit
     }
 }
 
-TEST_CASE("who rests falls when what carries it is pushed away, fast or slowly") {
+TEST_CASE("resting: a body falls when its support moves away, fast or slowly") {
     for (const float speed : {5.0f, 0.15f}) {
         CAPTURE(speed);
         Neighbours three;
@@ -90,20 +91,20 @@ TEST_CASE("who rests falls when what carries it is pushed away, fast or slowly")
         REQUIRE(three.world.pose(three.upper).position.y > 0.29f);
         const int steps = static_cast<int>(0.5f / speed * 120.0f) + 60;
         for (int i = 0; i < steps; ++i) {
-            // Away from both others, as though drawn.
+            // Away from both others.
             if (three.world.pose(three.lower).position.z < 0.4f)
                 three.world.set_velocity(three.lower, {0.0f, 0.0f, speed}, {});
             three.step();
         }
         for (int i = 0; i < 120; ++i) three.step();
         const glm::vec3 up = three.world.pose(three.upper).position, low = three.world.pose(three.lower).position;
-        // On the ground, or still on what carried it away.
+        // On the ground, or still on the lower box.
         CAPTURE(up.y);
         CHECK((std::abs(up.y - 0.1f) < 0.01f || (std::abs(up.y - 0.3f) < 0.01f && std::abs(up.z - low.z) < 0.1f)));
     }
 }
 
-TEST_CASE("who rests gives way to what pushes it") {
+TEST_CASE("resting: a body moves when it is pushed") {
     Neighbours three;
     three.settle();
     const float before = three.world.pose(three.lower).position.x;
@@ -115,7 +116,7 @@ TEST_CASE("who rests gives way to what pushes it") {
     CHECK(three.world.pose(three.restless).position.x - three.world.pose(three.lower).position.x > 0.19f);
 }
 
-TEST_CASE("what falls on who rests moves it as it would what does not rest") {
+TEST_CASE("resting: a blow moves a resting body as it moves one that does not rest") {
     const auto hit = [](bool rested) {
         Neighbours three;
         if (rested) three.settle();

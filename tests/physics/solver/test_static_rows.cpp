@@ -34,8 +34,8 @@ Row random_row(test::Random& random, uint32_t body, float inverse_mass) {
     return row;
 }
 
-// Every coupled_step-th body is in a bundle, because it also touches a body that moves; the others have all sweeps at once.
-// 0: no body is in a bundle.
+// Every coupled_step-th body is in a bundle, because it also touches a body that moves; the others have all sweeps at
+// once. 0: no body is in a bundle.
 void check(uint64_t seed, uint32_t body_count, size_t contact_count, uint32_t coupled_step, uint32_t bundle_points) {
     INFO("seed ", seed, ", ", body_count, " bodies, ", contact_count, " contacts, coupled ", coupled_step,
          ", bundles of ", bundle_points);

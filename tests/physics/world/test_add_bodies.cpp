@@ -37,8 +37,8 @@ BodyDesc askew(BodyDesc body, test::Random& random) {
     return body;
 }
 
-// All kinds of bodies: own and shared hulls, one part off the centre, several parts, fixed and free, with and without a known
-// cross section, siblings with the given number and the next (0: none), debris, and bodies with a previous pose.
+// All kinds of bodies: own and shared hulls, one part off the centre, several parts, fixed and free, with and without a
+// known cross section, siblings with the given number and the next (0: none), debris, and bodies with a previous pose.
 std::vector<BodyDesc> all_kinds(uint32_t siblings) {
     test::Random random(11);
     const auto shared = std::make_shared<const CollisionHull>(box_hull(glm::vec3(0.05f)));

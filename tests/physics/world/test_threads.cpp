@@ -1,5 +1,5 @@
-// Results do not depend on threads, bit for bit: neither on the threads that share a step nor on Worlds that step at the same
-// time on others.
+// Results do not depend on threads, bit for bit: neither on the threads that share a step nor on Worlds that step at
+// the same time on others.
 #include <atomic>
 #include <cmath>
 #include <cstddef>

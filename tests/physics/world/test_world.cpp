@@ -22,7 +22,7 @@ namespace {
 
 constexpr float nan_value = std::numeric_limits<float>::quiet_NaN();
 
-// Random boxes thrown at each other from all sides.
+// Random boxes that fly at each other from all sides.
 void add_swarm(World& world, int count) {
     test::Random random(5);
     for (int i = 0; i < count; ++i) {
@@ -37,7 +37,7 @@ void add_swarm(World& world, int count) {
 
 } // namespace
 
-TEST_CASE("a world without bodies steps, sums to nothing and has nothing to draw") {
+TEST_CASE("world: without bodies it steps, has no energy and draws nothing") {
     World world;
     run(world, 0.1f);
     CHECK(world.body_count() == 0);
@@ -52,7 +52,7 @@ TEST_CASE("a world without bodies steps, sums to nothing and has nothing to draw
     CHECK_FALSE(world.contains({}));
 }
 
-TEST_CASE("settings outside their range are named with their value") {
+TEST_CASE("world: a setting outside its range is named") {
     const std::vector<std::pair<WorldSettings, std::string>> cases{
         {{.gravity = {0.0f, nan_value, 0.0f}}, "gravity"},
         {{.step = 0.0f}, "step"},
@@ -81,7 +81,7 @@ TEST_CASE("settings outside their range are named with their value") {
     CHECK(validate({}).has_value());
 }
 
-TEST_CASE("a body that cannot be is refused with its fault, and the world is unchanged") {
+TEST_CASE("world: an invalid body is refused with its fault, and the world is unchanged") {
     const BodyDesc good = box({0.1f, 0.1f, 0.1f}, 1.0f, {0.0f, 1.0f, 0.0f});
     std::vector<std::pair<BodyDesc, std::string>> cases(13, {good, ""});
     cases[0].first.mass = 0.0f, cases[0].second = "mass";
@@ -108,7 +108,7 @@ TEST_CASE("a body that cannot be is refused with its fault, and the world is unc
     CHECK(world.add_body(good).has_value());
 }
 
-TEST_CASE("handles stay valid while others go, and are never used again") {
+TEST_CASE("world: handles stay valid while other bodies are removed, and are never reused") {
     World world(empty_space);
     std::vector<BodyId> ids;
     for (int i = 0; i < 5; ++i)
@@ -130,7 +130,7 @@ TEST_CASE("handles stay valid while others go, and are never used again") {
     CHECK(text.str() == "body 5, body none");
 }
 
-TEST_CASE("free fall follows the parabola to within the error of the step") {
+TEST_CASE("world: free fall follows the parabola to within the error of the step") {
     World world({.ground_height = std::nullopt, .air_density = 0.0f});
     BodyDesc desc = box({0.1f, 0.1f, 0.1f}, 2.0f, {0.0f, 10.0f, 0.0f});
     desc.linear_velocity = {1.0f, 2.0f, 0.0f};
@@ -138,14 +138,14 @@ TEST_CASE("free fall follows the parabola to within the error of the step") {
     run(world, 1.0f);
     const glm::vec3 position = world.pose(id).position;
     CHECK(position.x == doctest::Approx(1.0).epsilon(1e-5).scale(0.0));
-    // Symplectic Euler lags the parabola by g t step / 2; corrected for that, only rounding is left.
+    // Symplectic Euler lags behind the parabola by g t step / 2; with that added, only rounding is left.
     const double exact = 10.0 + 2.0 - 0.5 * 9.81;
     CHECK(std::abs(position.y - exact) < 0.5 * 9.81 / 120.0 + 1e-3);
     CHECK(position.y + 0.5 * 9.81 / 120.0 == doctest::Approx(exact).epsilon(1e-5).scale(0.0));
     CHECK(world.linear_velocity(id).y == doctest::Approx(2.0 - 9.81).epsilon(1e-5).scale(0.0));
 }
 
-TEST_CASE("advance takes the steps that fit and interpolates the rest") {
+TEST_CASE("world: advance takes the steps that fit and interpolates the rest") {
     World world({.max_substeps = 4, .ground_height = std::nullopt});
     const BodyId id = must_add(world, box({0.1f, 0.1f, 0.1f}, 1.0f, {}));
     CHECK(world.advance(0.25 / 120.0) == doctest::Approx(0.25));
@@ -168,7 +168,7 @@ TEST_CASE("advance takes the steps that fit and interpolates the rest") {
     CHECK(half.y == doctest::Approx(0.5f * (start.y + end.y)).scale(0.0));
 }
 
-TEST_CASE("orientation is interpolated the short way round") {
+TEST_CASE("world: orientations are interpolated along the shorter arc") {
     World world(empty_space);
     BodyDesc desc = box({0.1f, 0.2f, 0.3f}, 1.0f, {});
     desc.angular_velocity = {0.0f, 0.0f, 6.0f};
@@ -180,7 +180,7 @@ TEST_CASE("orientation is interpolated the short way round") {
     CHECK(std::abs(std::atan2(x.y, x.x) - angle) < 1e-3);
 }
 
-TEST_CASE("momentum survives a collision in empty space, and energy does not rise") {
+TEST_CASE("world: momentum survives a collision in empty space, and energy does not rise") {
     for (const float restitution : {0.0f, 0.5f, 1.0f}) {
         World world(empty_space);
         BodyDesc first = box({0.1f, 0.1f, 0.1f}, 1.0f, {-0.5f, 0.03f, 0.02f});
@@ -201,11 +201,11 @@ TEST_CASE("momentum survives a collision in empty space, and energy does not ris
     }
 }
 
-TEST_CASE("a body with three moments tumbles with a steady angular momentum and energy") {
+TEST_CASE("world: a body with three different moments tumbles with constant angular momentum and energy") {
     for (const bool turned : {false, true}) {
         World world(empty_space);
         BodyDesc desc = box({0.05f, 0.1f, 0.2f}, 2.0f, {});
-        if (turned) { // the same box seen in other axes: the tensor is full
+        if (turned) { // the same box in other body axes: a full tensor
             const glm::mat3 turn = glm::mat3_cast(glm::normalize(glm::quat(0.8f, 0.3f, -0.4f, 0.2f)));
             for (glm::vec3& point : desc.hull.points) point = turn * point;
             desc.inertia = turn * desc.inertia * glm::transpose(turn);
@@ -222,14 +222,14 @@ TEST_CASE("a body with three moments tumbles with a steady angular momentum and 
         const glm::dvec3 now = world.mechanics().angular_momentum;
         CHECK(glm::length(now - momentum) < 1e-3 * glm::length(momentum));
         CHECK(world.mechanics().kinetic == doctest::Approx(energy).epsilon(1e-3).scale(0.0));
-        // Independently of mechanics(): from the pose and the tensor that were handed in.
+        // Independently of mechanics(): from the pose and the given tensor.
         const glm::mat3 axes = glm::mat3_cast(world.pose(id).orientation);
         const glm::dvec3 own(axes * inertia * glm::transpose(axes) * world.angular_velocity(id));
         CHECK(glm::length(own - momentum) < 1e-3 * glm::length(momentum));
     }
 }
 
-TEST_CASE("a full inertia tensor leaves the pose in the axes that were given") {
+TEST_CASE("world: the pose of a body with a full inertia tensor is that of the given axes") {
     World world(empty_space);
     BodyDesc desc = box({0.05f, 0.1f, 0.2f}, 2.0f, {1.0f, 2.0f, 3.0f});
     const glm::mat3 turn = glm::mat3_cast(glm::normalize(glm::quat(0.8f, 0.3f, -0.4f, 0.2f)));
@@ -238,7 +238,7 @@ TEST_CASE("a full inertia tensor leaves the pose in the axes that were given") {
     desc.pose.orientation = glm::normalize(glm::quat(0.1f, 0.2f, 0.3f, 0.9f));
     const BodyId id = must_add(world, desc);
     CHECK(std::abs(glm::dot(world.pose(id).orientation, desc.pose.orientation)) == doctest::Approx(1.0f));
-    // The edges drawn are where the hull's points are under that pose.
+    // The edges are drawn between the hull's points in that pose.
     std::vector<DebugLine> lines;
     world.debug_lines(lines);
     CHECK(lines.size() == 12);
@@ -250,7 +250,7 @@ TEST_CASE("a full inertia tensor leaves the pose in the axes that were given") {
     }
 }
 
-TEST_CASE("an impulse changes momentum and angular momentum by exactly its own") {
+TEST_CASE("world: an impulse changes momentum and angular momentum by exactly its own") {
     World world(empty_space);
     const BodyId id = must_add(world, box({0.1f, 0.2f, 0.3f}, 2.0f, {1.0f, 0.0f, 0.0f}));
     const glm::vec3 impulse(0.5f, -1.0f, 0.25f), point(1.1f, 0.1f, -0.2f);
@@ -260,7 +260,7 @@ TEST_CASE("an impulse changes momentum and angular momentum by exactly its own")
     CHECK(glm::length(now.angular_momentum - glm::cross(glm::dvec3(point), glm::dvec3(impulse))) < 1e-6);
 }
 
-TEST_CASE("boxes dropped from two metres land on the ground and none goes through") {
+TEST_CASE("world: boxes dropped from two metres land on the ground and none passes through") {
     for (const float half : {0.005f, 0.05f, 0.5f}) {
         World world;
         std::vector<BodyId> ids;
@@ -287,7 +287,7 @@ TEST_CASE("boxes dropped from two metres land on the ground and none goes throug
     }
 }
 
-TEST_CASE("a box at rest stands on the ground without a gap") {
+TEST_CASE("world: a box at rest stands on the ground without a gap") {
     World world;
     const BodyId id = must_add(world, box({0.1f, 0.1f, 0.1f}, 8.0f, {0.0f, 0.1f, 0.0f}));
     run(world, 2.0f);
@@ -299,8 +299,8 @@ TEST_CASE("a box at rest stands on the ground without a gap") {
     for (const DebugLine& line : lines) CHECK(std::abs(line.from.y) < 2e-3f);
 }
 
-TEST_CASE("contacts with the ground are those of who lies on it, awake or asleep, and of nobody who has gone or is in "
-          "the air") {
+TEST_CASE(
+    "world: bodies on the ground have contacts, awake or asleep, and removed bodies and bodies in the air have none") {
     World world;
     std::vector<BodyId> boxes;
     for (int i = 0; i < 4; ++i)
@@ -337,7 +337,7 @@ TEST_CASE("contacts with the ground are those of who lies on it, awake or asleep
     for (const BodyId id : {boxes[0], boxes[2], boxes[3]}) CHECK(pressing(id));
 }
 
-TEST_CASE("energy never rises on its own while a swarm falls and piles up") {
+TEST_CASE("world: energy never rises by itself while a swarm falls and piles up") {
     World world;
     add_swarm(world, 40);
     EnergyBooks energy(world);
@@ -347,12 +347,12 @@ TEST_CASE("energy never rises on its own while a swarm falls and piles up") {
     }
     MESSAGE("energy rose by ", energy.risen / energy.start, " of the start in all, above the least before by ",
             energy.max_above_min / energy.start);
-    CHECK(energy.risen < 2e-7 * energy.start); // set after seeing 2e-8
+    CHECK(energy.risen < 2e-7 * energy.start); // measured: 2e-8
     CHECK(energy.max_above_min < 2e-7 * energy.start);
     CHECK(energy.last < 0.5 * energy.start);
 }
 
-TEST_CASE("hulls that overlap are moved apart gently and get no velocity from it") {
+TEST_CASE("world: overlapping hulls are moved apart slowly and get no velocity from it") {
     for (const float speed : {0.02f, 0.2f}) {
         WorldSettings settings = empty_space;
         settings.separation_speed = speed;
@@ -371,7 +371,7 @@ TEST_CASE("hulls that overlap are moved apart gently and get no velocity from it
     }
 }
 
-TEST_CASE("the same calls give the same state, in a new world and in a cleared one") {
+TEST_CASE("world: the same calls give the same state, in a new world and in a cleared one") {
     const auto play = [](World& world) {
         add_swarm(world, 30);
         run(world, 2.0f);
@@ -384,7 +384,7 @@ TEST_CASE("the same calls give the same state, in a new world and in a cleared o
     CHECK(world.state_hash() != hash);
 }
 
-TEST_CASE("a sleeping body wakes when pushed, when hit and when its support goes") {
+TEST_CASE("world: a sleeping body wakes when it is pushed, when it is hit and when its support is removed") {
     World world;
     const BodyId below = must_add(world, box({0.2f, 0.1f, 0.2f}, 8.0f, {0.0f, 0.1f, 0.0f}));
     const BodyId above = must_add(world, box({0.1f, 0.1f, 0.1f}, 8.0f, {0.0f, 0.3f, 0.0f}));
@@ -404,7 +404,7 @@ TEST_CASE("a sleeping body wakes when pushed, when hit and when its support goes
     CHECK(world.pose(above).position.y == doctest::Approx(0.1).epsilon(0.02).scale(0.0));
 }
 
-TEST_CASE("what touches wakes as a whole, and what does not sleeps on") {
+TEST_CASE("world: an island wakes as a whole, and other islands sleep on") {
     World world;
     std::vector<BodyId> row, others;
     for (int i = 0; i < 5; ++i)
@@ -425,7 +425,7 @@ TEST_CASE("what touches wakes as a whole, and what does not sleeps on") {
     CHECK(world.awake_count() == 0);
 }
 
-TEST_CASE("those that sleep change nothing for who is awake, bit for bit") {
+TEST_CASE("world: sleeping bodies far away change nothing for awake ones, bit for bit") {
     const auto falls = [](bool among_sleepers) {
         World world;
         const auto add = [&world](const glm::vec3& at) {
@@ -452,7 +452,7 @@ TEST_CASE("those that sleep change nothing for who is awake, bit for bit") {
     }
 }
 
-TEST_CASE("what flies past sleepers and wakes them goes its way as though alone, bit for bit") {
+TEST_CASE("world: a body that flies past sleeping ones and wakes them moves as if alone, bit for bit") {
     for (const int sleepers : {2, 40}) {
         CAPTURE(sleepers);
         const auto path = [](int others) {
@@ -462,7 +462,7 @@ TEST_CASE("what flies past sleepers and wakes them goes its way as though alone,
                 row.push_back(must_add(world, box(glm::vec3(0.1f), 8.0f, {0.2f * static_cast<float>(i), 0.1f, 0.0f})));
             run(world, 3.0f);
             REQUIRE(world.awake_count() == 0);
-            BodyDesc flies = box(glm::vec3(0.1f), 8.0f, {-0.4f, 0.25f, 0.203f}); // boxes overlap, bodies do not touch
+            BodyDesc flies = box(glm::vec3(0.1f), 8.0f, {-0.4f, 0.25f, 0.203f}); // bounds overlap, bodies do not touch
             flies.linear_velocity = {2.0f, 0.0f, 0.0f};
             const BodyId id = must_add(world, flies);
             std::vector<glm::vec3> positions;
@@ -477,7 +477,7 @@ TEST_CASE("what flies past sleepers and wakes them goes its way as though alone,
     }
 }
 
-TEST_CASE("what sleeps presses as before, while others wake, come and go") {
+TEST_CASE("world: sleeping bodies press as before while others wake, come and go") {
     World world;
     const auto stack_at = [&](float x) {
         return std::pair(must_add(world, box({0.2f, 0.1f, 0.2f}, 8.0f, {x, 0.1f, 0.0f})),
@@ -486,7 +486,7 @@ TEST_CASE("what sleeps presses as before, while others wake, come and go") {
     const auto gone = stack_at(-2.0f), woken = stack_at(0.0f), left = stack_at(2.0f);
     run(world, 3.0f);
     REQUIRE(world.awake_count() == 0);
-    // What carries a body: weight times the time of a step, asleep or not.
+    // The impulse that carries a body: weight times the time of a step, asleep or not.
     const auto carried = [&](BodyId id) {
         float sum = 0.0f;
         for (const Contact& contact : world.contacts())
@@ -516,7 +516,7 @@ TEST_CASE("what sleeps presses as before, while others wake, come and go") {
     for (const BodyId id : {woken.first, left.first, left.second}) check(id);
 }
 
-TEST_CASE("contacts that were solved come first, and are had without the others") {
+TEST_CASE("world: solved contacts come first, and can be read without the others") {
     const auto same = [](const Contact& a, const Contact& b) {
         return a.a == b.a && a.b == b.b && a.point == b.point && a.normal == b.normal && a.impulse == b.impulse;
     };
@@ -539,7 +539,8 @@ TEST_CASE("contacts that were solved come first, and are had without the others"
     CHECK(std::ranges::equal(solved, world.contacts().first(solved.size()), same));
     CHECK(std::ranges::equal(solved, world.solved_contacts(), same));
 
-    // A body that goes is still named by what was solved; what it carried is awake, and told of after the next step.
+    // The solved contacts still name a removed body. The bodies that it carried are awake; their contacts come with the
+    // next step.
     world.step();
     CHECK(world.remove_body(late));
     CHECK(!world.solved_contacts().empty());
@@ -550,7 +551,7 @@ TEST_CASE("contacts that were solved come first, and are had without the others"
     CHECK(world.contacts().empty());
 }
 
-TEST_CASE("bodies that were removed are counted") {
+TEST_CASE("world: removed bodies are counted") {
     World world;
     CHECK(world.removed_count() == 0);
     const BodyId one = must_add(world, box({0.1f, 0.1f, 0.1f}, 1.0f, {}));
@@ -563,7 +564,7 @@ TEST_CASE("bodies that were removed are counted") {
     CHECK(world.removed_count() == 2);
 }
 
-TEST_CASE("a body that touches nothing never sleeps, however slow") {
+TEST_CASE("world: a body that touches nothing never sleeps at any speed") {
     World world({.gravity = {0.0f, 0.0f, 0.0f}, .ground_height = std::nullopt});
     BodyDesc desc = box({0.1f, 0.1f, 0.1f}, 1.0f, {});
     desc.linear_velocity = {0.01f, 0.0f, 0.0f};
@@ -573,7 +574,7 @@ TEST_CASE("a body that touches nothing never sleeps, however slow") {
     CHECK(world.pose(id).position.x == doctest::Approx(0.05).epsilon(1e-3).scale(0.0));
 }
 
-TEST_CASE("a visit since a step hands over exactly the poses that changed") {
+TEST_CASE("world: a visit since a step gets exactly the poses that changed") {
     World world;
     add_swarm(world, 40);
     must_add(world, box({0.2f, 0.1f, 0.2f}, 8.0f, {9.0f, 0.1f, 0.0f}));
@@ -583,7 +584,7 @@ TEST_CASE("a visit since a step hands over exactly the poses that changed") {
     uint64_t since = 0;
     size_t most = 0, least = world.body_count();
     for (int frame = 0; frame < 400; ++frame) {
-        if (frame == 200) { // some wake, and one is new
+        if (frame == 200) { // some bodies wake, and one is added
             world.apply_impulse(world.bodies()[3], {0.0f, 2.0f, 0.0f}, world.pose(world.bodies()[3]).position);
             must_add(world, box({0.1f, 0.1f, 0.1f}, 8.0f, {-9.0f, 1.0f, 0.0f}));
             kept.resize(world.body_count(), untouched);
@@ -605,7 +606,7 @@ TEST_CASE("a visit since a step hands over exactly the poses that changed") {
     CHECK(world.last_moved_step(world.bodies()[0]) < world.steps_taken());
 }
 
-TEST_CASE("debris falls through debris, but not through what is much larger or fixed, nor through the ground") {
+TEST_CASE("world: debris falls through debris, but not through much larger bodies, fixed ones or the ground") {
     WorldSettings settings;
     settings.debris_size = 0.05f;
     World world(settings);
@@ -623,7 +624,7 @@ TEST_CASE("debris falls through debris, but not through what is much larger or f
         CAPTURE(i);
         CHECK(std::abs(world.pose(crumbs[i]).position.y - (i < 2 ? 0.01f : 0.11f)) < 2e-3f);
     }
-    // The same in a world without debris: they lie on each other.
+    // In a world without debris they lie on each other.
     settings.debris_size = 0.0f;
     World solid(settings);
     for (const float y : {0.011f, 0.033f}) must_add(solid, box(crumb, 0.02f, {0.0f, y, 0.0f}));
@@ -631,7 +632,7 @@ TEST_CASE("debris falls through debris, but not through what is much larger or f
     CHECK(glm::length(solid.pose(solid.bodies()[0]).position - solid.pose(solid.bodies()[1]).position) > 0.018f);
 }
 
-TEST_CASE("two worlds with their own settings and a moved one do not disturb each other") {
+TEST_CASE("world: two worlds with different settings, one of them moved, do not disturb each other") {
     World first;
     add_swarm(first, 10);
     World alone;
@@ -645,7 +646,7 @@ TEST_CASE("two worlds with their own settings and a moved one do not disturb eac
     CHECK(moved.state_hash() == alone.state_hash());
 }
 
-TEST_CASE("a body that goes astray stops where it is and disturbs nobody") {
+TEST_CASE("world: a body beyond all bounds stops where it is and disturbs no other") {
     const auto ends = [](bool astray) {
         World world;
         const BodyId stays = must_add(world, box({0.1f, 0.1f, 0.1f}, 1.0f, {0.0f, 0.5f, 0.0f}));
