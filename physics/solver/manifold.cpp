@@ -53,9 +53,13 @@ uint32_t Manifold::place_of(const ContactPoint& point) const {
             deepest = i;
             depth = points_[static_cast<size_t>(i)].distance;
         }
-    const auto area = [&](size_t with, size_t from, size_t to) {
-        return length_squared(
-            glm::cross(point.local_a - points_[with].local_a, points_[to].local_a - points_[from].local_a));
+    // The squared double area of the new point and three others: of the three pairs of opposite sides or diagonals, the
+    // diagonals have the longest cross product.
+    const auto area = [&](size_t i, size_t j, size_t k) {
+        const glm::vec3 &a = points_[i].local_a, &b = points_[j].local_a, &c = points_[k].local_a;
+        return std::max({length_squared(glm::cross(point.local_a - a, c - b)),
+                         length_squared(glm::cross(point.local_a - b, c - a)),
+                         length_squared(glm::cross(point.local_a - c, b - a))});
     };
     const std::array<float, 4> areas{deepest != 0 ? area(1, 2, 3) : 0.0f, deepest != 1 ? area(0, 2, 3) : 0.0f,
                                      deepest != 2 ? area(0, 1, 3) : 0.0f, deepest != 3 ? area(0, 1, 2) : 0.0f};

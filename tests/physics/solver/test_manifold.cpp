@@ -133,6 +133,22 @@ TEST_CASE("manifold: a point within the threshold of a known one replaces it and
     CHECK(stack.at(-1.01f * threshold, 0.0f)->normal_impulse == 0.0f);
 }
 
+TEST_CASE("manifold: a fifth point replaces the corner of a square that it lies outside of") {
+    for (const float x : {-0.3f, 0.3f})
+        for (const float z : {-0.3f, 0.3f}) {
+            Stack stack;
+            for (const float corner_x : {-0.3f, 0.3f})
+                for (const float corner_z : {-0.3f, 0.3f}) stack.add(corner_x, corner_z);
+            stack.add(1.5f * x, 1.5f * z);
+            CHECK(stack.manifold.count() == 4);
+            CHECK(stack.at(1.5f * x, 1.5f * z) != nullptr);
+            CHECK(stack.at(x, z) == nullptr);
+            CHECK(stack.at(-x, z) != nullptr);
+            CHECK(stack.at(x, -z) != nullptr);
+            CHECK(stack.at(-x, -z) != nullptr);
+        }
+}
+
 TEST_CASE("manifold: of five points the new one and the deepest stay") {
     for (const float x : {-0.3f, 0.3f})
         for (const float z : {-0.3f, 0.3f}) {
