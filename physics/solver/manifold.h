@@ -60,7 +60,8 @@ class Manifold {
     void set_breaking_threshold(float threshold) { breaking_threshold_ = threshold; }
 
     // Adds the contact at a point on b, or moves the contact that is near it, which keeps its impulses. Of five
-    // points the four that span the largest area stay, the deepest always. Beyond the threshold nothing is added.
+    // points the new one, the deepest and those stay that span the largest area with them. Beyond the threshold
+    // nothing is added.
     void add(const glm::vec3& normal, const glm::vec3& on_b, float distance, uint32_t part_a, uint32_t part_b);
     void add(const ContactPoint& point);
     // Moves the points with the bodies and drops those beyond the threshold.
