@@ -75,16 +75,16 @@ Result<Structure> Structure::create(World& world, const Fragments& fragments, co
 
 std::vector<uint8_t> Structure::choose_debris(const World& world,
                                               std::span<const std::vector<uint32_t>> islands) const {
-    std::vector<Newcomer> batch;
+    std::vector<BatchBody> batch;
     for (const std::vector<uint32_t>& island : islands) {
-        Newcomer& one = batch.emplace_back();
+        BatchBody& one = batch.emplace_back();
         one.bonded = island.size() > 1;
         for (const uint32_t piece : island) {
             one.size += pieces_[piece].mass;
             one.fixed = one.fixed || pieces_[piece].anchored;
         }
     }
-    return crowded_out(batch, room_in(world));
+    return choose_debris(batch, colliding_room(world));
 }
 
 // Islands are siblings: they are added together and do not overlap.

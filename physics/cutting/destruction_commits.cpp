@@ -126,10 +126,10 @@ std::vector<PieceId> Destruction::replace(World& world, PieceId old, Broken& bro
     else
         world.remove_body(parent.own);
     forget_piece(old);
-    std::vector<Newcomer> batch;
+    std::vector<BatchBody> batch;
     for (const Made& piece : broken.pieces)
         batch.push_back({.size = piece.solid->mass.volume, .fixed = piece.solid->anchored});
-    const std::vector<uint8_t> debris = crowded_out(batch, room_in(world), was_debris);
+    const std::vector<uint8_t> debris = choose_debris(batch, colliding_room(world), was_debris);
     std::vector<PieceId> made;
     for (size_t i = 0; i < broken.pieces.size(); ++i) {
         Made& piece = broken.pieces[i];

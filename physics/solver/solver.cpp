@@ -118,9 +118,9 @@ Result<void> Solver::add(size_t number, BodyId first, const Describe& describe, 
         }
         if (body.awake()) ++awake_.of(body.debris);
     }
-    const float crowded = crowding(awake_.debris, settings_.max_colliding);
+    const float size_factor = partner_size_factor(awake_.debris, settings_.max_colliding);
     for (NewBody& body : made) {
-        body.proxy->min_partner *= crowded;
+        body.proxy->min_partner *= size_factor;
         siblings_.add(*body.body);
         broadphase_.add(std::move(body.proxy));
         bodies_.push_back(std::move(body.body));

@@ -8,18 +8,18 @@ namespace brittle::physics {
 
 namespace {
 
-double size_of(const Newcomer& one) {
+double size_of(const BatchBody& one) {
     return one.size > 0.0 ? one.size : 0.0;
 }
 
 } // namespace
 
-size_t room_in(const World& world) {
+size_t colliding_room(const World& world) {
     const size_t most = world.settings().max_colliding, there = world.colliding_count();
     return most == 0 ? std::numeric_limits<size_t>::max() : most - std::min(most, there);
 }
 
-std::vector<uint8_t> crowded_out(std::span<const Newcomer> batch, size_t room, bool of_debris) {
+std::vector<uint8_t> choose_debris(std::span<const BatchBody> batch, size_t room, bool of_debris) {
     std::vector<uint8_t> debris(batch.size(), 0);
     if (batch.size() <= room) return debris;
     const auto larger = [&](size_t a, size_t b) {
@@ -39,7 +39,7 @@ std::vector<uint8_t> crowded_out(std::span<const Newcomer> batch, size_t room, b
     return debris;
 }
 
-float crowding(size_t awake_debris, uint32_t max_colliding) {
+float partner_size_factor(size_t awake_debris, uint32_t max_colliding) {
     if (max_colliding == 0) return 1.0f;
     return std::max(1.0f, static_cast<float>(awake_debris) / static_cast<float>(max_colliding) - 1.0f);
 }

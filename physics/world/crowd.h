@@ -8,19 +8,19 @@
 //
 // - The decision is made once, when a body is added, from the state of the world alone. Runs repeat, and no body
 //   starts or stops colliding in view.
-// - The more debris is awake, the larger a moving body must be to collide with new debris: crowding().
+// - The more debris is awake, the larger a moving body must be to collide with new debris: partner_size_factor().
 // - The largest body of a batch always collides, and so does a body of several bonded pieces: they are the remains of
 //   the object that broke. A body that is added alone is the largest of its batch. If debris breaks, which took no
 //   room itself, all parts may be debris. Without room, a break thus adds no colliding bodies except the largest part
 //   of a held object.
 //
-//     std::vector<Newcomer> batch;
+//     std::vector<BatchBody> batch;
 //     for (const Piece& piece : fragments.pieces) batch.push_back({.size = piece.mass.volume});
-//     const std::vector<uint8_t> debris = crowded_out(batch, room_in(world));
+//     const std::vector<uint8_t> debris = choose_debris(batch, colliding_room(world));
 //     for each piece: desc.debris = debris[i];
 //
-// Pure functions; thread-safe. add_pieces(), Structure and Destruction call crowded_out(); World::add_body() calls only
-// crowding().
+// Pure functions; thread-safe. add_pieces(), Structure and Destruction call choose_debris(). World::add_body() calls only
+// partner_size_factor().
 #pragma once
 
 #include <cstddef>
@@ -33,23 +33,23 @@
 namespace brittle::physics {
 
 // One body of a batch that is added at once.
-struct Newcomer {
+struct BatchBody {
     double size = 0.0;   // volume or mass, one kind throughout a batch; NaN counts as 0
     bool fixed = false;  // takes no room and is never debris
     bool bonded = false; // of several pieces: always collides, and takes room before single pieces
 };
 
 // Returns how many more awake bodies may collide with each other; SIZE_MAX without a limit.
-[[nodiscard]] size_t room_in(const World& world);
+[[nodiscard]] size_t colliding_room(const World& world);
 
 // Returns 1 for each body of the batch that is debris, else 0. Among equal sizes the first ones collide. of_debris:
 // whether the batch comes from a body that was debris.
-[[nodiscard]] std::vector<uint8_t> crowded_out(std::span<const Newcomer> batch, size_t room, bool of_debris = false);
+[[nodiscard]] std::vector<uint8_t> choose_debris(std::span<const BatchBody> batch, size_t room, bool of_debris = false);
 
-// Returns the factor on the length that a moving body must have to collide with new debris. awake_debris counts all
-// awake debris, the new batch included. The factor is 1 up to twice the limit, then awake_debris / max_colliding - 1:
+// Returns the factor by which the least size of a partner grows: the least length of a moving body that collides with
+// new debris. awake_debris counts all awake debris, the new batch included. The factor is 1 up to twice the limit, then awake_debris / max_colliding - 1:
 // 2 at three times the limit, 3 at four times. Each further thousand thus costs less than the one before. 1 without a
 // limit.
-[[nodiscard]] float crowding(size_t awake_debris, uint32_t max_colliding);
+[[nodiscard]] float partner_size_factor(size_t awake_debris, uint32_t max_colliding);
 
 } // namespace brittle::physics

@@ -52,8 +52,8 @@ Error wrong_count(size_t given, const std::string& what, const Fragments& fragme
                                          + std::to_string(fragments.pieces.size()) + " pieces"};
 }
 
-std::vector<Newcomer> newcomers(const Fragments& fragments) {
-    std::vector<Newcomer> batch;
+std::vector<BatchBody> batch_of(const Fragments& fragments) {
+    std::vector<BatchBody> batch;
     batch.reserve(fragments.pieces.size());
     for (const Piece& piece : fragments.pieces) batch.push_back({.size = piece.mass.volume});
     return batch;
@@ -107,7 +107,7 @@ Result<std::vector<BodyId>> add_pieces(World& world, const Fragments& fragments,
     body.friction = material.friction;
     body.restitution = material.restitution;
     body.angular_velocity = motion.angular_velocity;
-    const std::vector<uint8_t> debris = crowded_out(newcomers(fragments), room_in(world));
+    const std::vector<uint8_t> debris = choose_debris(batch_of(fragments), colliding_room(world));
     return world.add_bodies(forms.size(), [&](size_t i) {
         prefetch_form(forms, i);
         const glm::dvec3 arm = glm::dquat(motion.placement.orientation) * fragments.pieces[i].mass.centre_of_mass;

@@ -82,7 +82,7 @@ struct WorldSettings {
     // m. A moving body whose longest side is below this is debris. It collides with the ground, with fixed bodies,
     // and with moving ones that are no debris and at least twice as long (or BodyDesc::large), but not with bodies of
     // its own size. The hundreds of crumbs of a blow then cost a tenth. Where debris comes by the thousand, the
-    // factor of two grows (crowding() in crowd.h). 0: no debris.
+    // factor of two grows (partner_size_factor() in crowd.h). 0: no debris.
     float debris_size = 0.02f;
     // The number of awake bodies that collide with each other, up to which pieces of broken objects are added to
     // them. Beyond it the smaller new pieces are debris, whatever their size (crowd.h), which keeps a step from

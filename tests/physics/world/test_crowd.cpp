@@ -73,60 +73,60 @@ void strike_top(const World& world, Destruction& destruction, PieceId piece, dou
 } // namespace
 
 TEST_CASE("crowd: a batch that is empty or has room contains no debris") {
-    for (const size_t room : {size_t{0}, size_t{1}, no_limit}) CHECK(crowded_out({}, room).empty());
-    const std::vector<Newcomer> three{{.size = 1.0}, {.size = 3.0}, {.size = 2.0}};
-    for (const size_t room : {size_t{3}, size_t{4}, no_limit}) CHECK(crowded_out(three, room) == Flags{0, 0, 0});
+    for (const size_t room : {size_t{0}, size_t{1}, no_limit}) CHECK(choose_debris({}, room).empty());
+    const std::vector<BatchBody> three{{.size = 1.0}, {.size = 3.0}, {.size = 2.0}};
+    for (const size_t room : {size_t{3}, size_t{4}, no_limit}) CHECK(choose_debris(three, room) == Flags{0, 0, 0});
 }
 
 TEST_CASE("crowd: the smallest bodies are debris, the last among equals, and never the largest") {
-    const std::vector<Newcomer> three{{.size = 1.0}, {.size = 3.0}, {.size = 2.0}};
-    CHECK(crowded_out(three, 2) == Flags{1, 0, 0});
-    CHECK(crowded_out(three, 1) == Flags{1, 0, 1});
-    CHECK(crowded_out(three, 0) == Flags{1, 0, 1});
-    CHECK(crowded_out(three, 1, true) == Flags{1, 0, 1});
-    CHECK(crowded_out(three, 0, true) == Flags{1, 1, 1});
-    CHECK(crowded_out(three, 3, true) == Flags{0, 0, 0});
-    const std::vector<Newcomer> equal(4, {.size = 0.5});
-    CHECK(crowded_out(equal, 2) == Flags{0, 0, 1, 1});
-    CHECK(crowded_out(equal, 0) == Flags{0, 1, 1, 1});
+    const std::vector<BatchBody> three{{.size = 1.0}, {.size = 3.0}, {.size = 2.0}};
+    CHECK(choose_debris(three, 2) == Flags{1, 0, 0});
+    CHECK(choose_debris(three, 1) == Flags{1, 0, 1});
+    CHECK(choose_debris(three, 0) == Flags{1, 0, 1});
+    CHECK(choose_debris(three, 1, true) == Flags{1, 0, 1});
+    CHECK(choose_debris(three, 0, true) == Flags{1, 1, 1});
+    CHECK(choose_debris(three, 3, true) == Flags{0, 0, 0});
+    const std::vector<BatchBody> equal(4, {.size = 0.5});
+    CHECK(choose_debris(equal, 2) == Flags{0, 0, 1, 1});
+    CHECK(choose_debris(equal, 0) == Flags{0, 1, 1, 1});
     for (const double size : {1.0, 0.0, -1.0, std::numeric_limits<double>::quiet_NaN()})
-        CHECK(crowded_out(std::vector<Newcomer>{{.size = size}}, 0) == Flags{0});
+        CHECK(choose_debris(std::vector<BatchBody>{{.size = size}}, 0) == Flags{0});
 }
 
 TEST_CASE("crowd: NaN and negative sizes count as the smallest") {
     const double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
-    const std::vector<Newcomer> batch{{.size = nan}, {.size = -infinity}, {.size = 1e-300},
-                                      {.size = 0.0}, {.size = infinity},  {.size = nan}};
-    CHECK(crowded_out(batch, 2) == Flags{1, 1, 0, 1, 0, 1});
-    CHECK(crowded_out(batch, 3) == Flags{0, 1, 0, 1, 0, 1});
+    const std::vector<BatchBody> batch{{.size = nan}, {.size = -infinity}, {.size = 1e-300},
+                                       {.size = 0.0}, {.size = infinity},  {.size = nan}};
+    CHECK(choose_debris(batch, 2) == Flags{1, 1, 0, 1, 0, 1});
+    CHECK(choose_debris(batch, 3) == Flags{0, 1, 0, 1, 0, 1});
 }
 
 TEST_CASE("crowd: fixed bodies take no room, and bonded ones take it first") {
-    CHECK(crowded_out(std::vector<Newcomer>(5, {.size = 1.0, .fixed = true}), 0) == Flags(5, 0));
-    CHECK(crowded_out(std::vector<Newcomer>(5, {.size = 1.0, .bonded = true}), 0) == Flags(5, 0));
+    CHECK(choose_debris(std::vector<BatchBody>(5, {.size = 1.0, .fixed = true}), 0) == Flags(5, 0));
+    CHECK(choose_debris(std::vector<BatchBody>(5, {.size = 1.0, .bonded = true}), 0) == Flags(5, 0));
     // The largest is fixed: all others may be debris.
-    const std::vector<Newcomer> held{
+    const std::vector<BatchBody> held{
         {.size = 1.0}, {.size = 9.0, .fixed = true}, {.size = 2.0}, {.size = 1.0, .fixed = true}};
-    CHECK(crowded_out(held, 0) == Flags{1, 0, 1, 0});
-    CHECK(crowded_out(held, 1) == Flags{1, 0, 0, 0});
-    CHECK(crowded_out(held, 2) == Flags{0, 0, 0, 0});
+    CHECK(choose_debris(held, 0) == Flags{1, 0, 1, 0});
+    CHECK(choose_debris(held, 1) == Flags{1, 0, 0, 0});
+    CHECK(choose_debris(held, 2) == Flags{0, 0, 0, 0});
     // The fixed body is smaller than a free one, which collides as the largest.
-    const std::vector<Newcomer> crumb_held{{.size = 1.0, .fixed = true}, {.size = 9.0}, {.size = 2.0}};
-    CHECK(crowded_out(crumb_held, 0) == Flags{0, 0, 1});
-    const std::vector<Newcomer> bonded{
+    const std::vector<BatchBody> crumb_held{{.size = 1.0, .fixed = true}, {.size = 9.0}, {.size = 2.0}};
+    CHECK(choose_debris(crumb_held, 0) == Flags{0, 0, 1});
+    const std::vector<BatchBody> bonded{
         {.size = 3.0}, {.size = 1.0, .bonded = true}, {.size = 4.0}, {.size = 2.0, .bonded = true}};
-    CHECK(crowded_out(bonded, 2) == Flags{1, 0, 0, 0});
-    CHECK(crowded_out(bonded, 3) == Flags{1, 0, 0, 0});
-    CHECK(crowded_out(bonded, 0) == Flags{1, 0, 0, 0});
+    CHECK(choose_debris(bonded, 2) == Flags{1, 0, 0, 0});
+    CHECK(choose_debris(bonded, 3) == Flags{1, 0, 0, 0});
+    CHECK(choose_debris(bonded, 0) == Flags{1, 0, 0, 0});
 }
 
 TEST_CASE("crowd: in a random batch the largest bodies collide, as many as there is room for") {
     test::Random random(3);
     for (int trial = 0; trial < 200; ++trial) {
-        std::vector<Newcomer> batch(static_cast<size_t>(random.uniform(1.0, 40.0)));
-        for (Newcomer& one : batch) one.size = std::floor(random.uniform(0.0, 10.0)); // many equal sizes
+        std::vector<BatchBody> batch(static_cast<size_t>(random.uniform(1.0, 40.0)));
+        for (BatchBody& one : batch) one.size = std::floor(random.uniform(0.0, 10.0)); // many equal sizes
         const auto room = static_cast<size_t>(random.uniform(0.0, 45.0));
-        const Flags debris = crowded_out(batch, room);
+        const Flags debris = choose_debris(batch, room);
         for (size_t i = 0; i < batch.size(); ++i) {
             size_t before = 0;
             for (size_t k = 0; k < batch.size(); ++k)
@@ -144,18 +144,18 @@ TEST_CASE("crowd: room is the rest of the limit, and unbounded without a limit")
         must_add(*one, fixed);
         must_add(*one, block({0.0f, 1.0f, 9.0f}, true));
     }
-    CHECK(room_in(world) == 3);
+    CHECK(colliding_room(world) == 3);
     for (const size_t left : {2u, 1u, 0u, 0u}) { // add_body() ignores the limit
         must_add(world, block({static_cast<float>(left), 1.0f, 0.0f}));
         must_add(unlimited, block({static_cast<float>(left), 1.0f, 0.0f}));
-        CHECK(room_in(world) == left);
-        CHECK(room_in(unlimited) == no_limit);
+        CHECK(colliding_room(world) == left);
+        CHECK(colliding_room(unlimited) == no_limit);
     }
     CHECK(world.colliding_count() == 4);
     world.clear();
-    CHECK(room_in(world) == 3);
+    CHECK(colliding_room(world) == 3);
     world.clear({.max_colliding = 7});
-    CHECK(room_in(world) == 7);
+    CHECK(colliding_room(world) == 7);
 }
 
 TEST_CASE("crowd: the count of colliding bodies is right after every operation that changes it") {
@@ -201,17 +201,18 @@ TEST_CASE("crowd: the count of colliding bodies is right after every operation t
     }
 }
 
-TEST_CASE("crowd: crowding() grows beyond twice the limit, and is 1 without a limit") {
-    CHECK(crowding(0, 500) == 1.0f);
-    CHECK(crowding(1000, 500) == 1.0f);
-    CHECK(crowding(1001, 500) > 1.0f);
-    CHECK(crowding(1500, 500) == 2.0f);
-    CHECK(crowding(2000, 500) == 3.0f);
-    CHECK(crowding(1, 1) == 1.0f);
-    CHECK(crowding(4, 1) == 3.0f);
-    CHECK(crowding(no_limit, 0) == 1.0f);
-    CHECK(std::isfinite(crowding(no_limit, 1)));
-    for (size_t debris = 1; debris < 3000; ++debris) CHECK(crowding(debris, 500) >= crowding(debris - 1, 500));
+TEST_CASE("crowd: partner_size_factor() grows beyond twice the limit, and is 1 without a limit") {
+    CHECK(partner_size_factor(0, 500) == 1.0f);
+    CHECK(partner_size_factor(1000, 500) == 1.0f);
+    CHECK(partner_size_factor(1001, 500) > 1.0f);
+    CHECK(partner_size_factor(1500, 500) == 2.0f);
+    CHECK(partner_size_factor(2000, 500) == 3.0f);
+    CHECK(partner_size_factor(1, 1) == 1.0f);
+    CHECK(partner_size_factor(4, 1) == 3.0f);
+    CHECK(partner_size_factor(no_limit, 0) == 1.0f);
+    CHECK(std::isfinite(partner_size_factor(no_limit, 1)));
+    for (size_t debris = 1; debris < 3000; ++debris)
+        CHECK(partner_size_factor(debris, 500) >= partner_size_factor(debris - 1, 500));
 }
 
 TEST_CASE("crowd: of fifteen hundred pieces that are added at once the five hundred largest collide") {
@@ -245,7 +246,7 @@ TEST_CASE("crowd: sleeping bodies free room, and debris remains debris") {
     run(world, 5.0f);
     REQUIRE(world.awake_count() == 0);
     CHECK(world.colliding_count() == 0);
-    CHECK(room_in(world) == 6);
+    CHECK(colliding_room(world) == 6);
     Result<std::vector<BodyId>> second =
         add_pieces(world, row, {}, {.placement = {{0.0f, 0.0f, 3.0f}, {1.0f, 0.0f, 0.0f, 0.0f}}});
     REQUIRE(second.has_value());
@@ -253,7 +254,7 @@ TEST_CASE("crowd: sleeping bodies free room, and debris remains debris") {
         for (size_t i = 0; i < 8; ++i) CHECK(world.debris(bodies[i]) == (i >= 6));
     world.wake_all(); // waking may exceed the limit
     CHECK(world.colliding_count() == 12);
-    CHECK(room_in(world) == 0);
+    CHECK(colliding_room(world) == 0);
 }
 
 TEST_CASE("crowd: refused pieces leave the count unchanged") {
