@@ -150,10 +150,10 @@ BodyDesc Structure::describe(const std::vector<uint32_t>& island, const Motion& 
     }
     const glm::dvec3 arm = body.centre - motion.centre;
     desc.fixed = body.fixed;
-    desc.pose = moved(motion.pose, arm);
-    desc.previous = moved(motion.previous, arm);
+    desc.pose = offset_pose(motion.pose, arm);
+    desc.previous = offset_pose(motion.previous, arm);
     desc.linear_velocity =
-        glm::vec3(glm::dvec3(motion.linear) + glm::cross(glm::dvec3(motion.angular), turned(motion.pose, arm)));
+        glm::vec3(glm::dvec3(motion.linear) + glm::cross(glm::dvec3(motion.angular), to_world_axes(motion.pose, arm)));
     desc.angular_velocity = motion.angular;
     desc.friction = desc_.material.friction;
     desc.restitution = desc_.material.restitution;
@@ -241,9 +241,9 @@ std::optional<PlacedMotion> Structure::take_piece(World& world, uint32_t piece) 
     if (!exists(world, index) || bodies_[index].pieces.size() != 1) return std::nullopt;
     const Motion motion = motion_of(world, bodies_[index]);
     PlacedMotion placed;
-    placed.placement = moved(motion.pose, -motion.centre);
+    placed.placement = offset_pose(motion.pose, -motion.centre);
     placed.linear_velocity =
-        motion.linear - glm::vec3(glm::cross(glm::dvec3(motion.angular), turned(motion.pose, motion.centre)));
+        motion.linear - glm::vec3(glm::cross(glm::dvec3(motion.angular), to_world_axes(motion.pose, motion.centre)));
     placed.angular_velocity = motion.angular;
     remove_body(world, piece);
     return placed;
@@ -310,7 +310,7 @@ void Structure::visit_poses(const World& world, float alpha, uint64_t since, con
     for (const BodyState& body : bodies_) {
         if (body.pieces.empty() || !world.contains(body.id) || world.last_moved_step(body.id) < since) continue;
         const Pose pose = world.interpolated_pose(body.id, alpha);
-        for (const uint32_t piece : body.pieces) visit(piece, moved(pose, pieces_[piece].centre - body.centre));
+        for (const uint32_t piece : body.pieces) visit(piece, offset_pose(pose, pieces_[piece].centre - body.centre));
     }
 }
 

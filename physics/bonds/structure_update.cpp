@@ -30,8 +30,8 @@ bool is_movable(const World& world, BodyId body) {
 // break, as the velocities of its parts no longer belong to it.
 float remaining_approach(const World& world, const Contact& contact) {
     if (contact.impulse != contact.blow) return 0.0f;
-    return speed_at(world, contact.b, contact.point, contact.normal)
-           - speed_at(world, contact.a, contact.point, contact.normal);
+    return velocity_along(world, contact.b, contact.point, contact.normal)
+           - velocity_along(world, contact.a, contact.point, contact.normal);
 }
 
 } // namespace
@@ -204,12 +204,13 @@ void Structure::solve_rewound(World& world, std::span<const RewoundContact> rewo
             const glm::vec3 &point = contact.original.point, &normal = contact.original.normal;
             // The speed that closes the gap within the step.
             const float closing = std::max(contact.original.gap, 0.0f) / world.settings().step;
-            const float approach = speed_at(world, b, point, normal) - speed_at(world, a, point, normal) - closing;
+            const float approach =
+                velocity_along(world, b, point, normal) - velocity_along(world, a, point, normal) - closing;
             const float before = std::exchange(
                 impulses[i], std::clamp(impulses[i] + approach / responses[i], 0.0f, max_impulse(contact)));
             const glm::vec3 impulse = (impulses[i] - before) * normal;
-            push(world, a, impulse, point);
-            push(world, b, -impulse, point);
+            apply_impulse(world, a, impulse, point);
+            apply_impulse(world, b, -impulse, point);
         }
     for (size_t i = 0; i < rewound.size(); ++i) {
         Contact contact = rewound[i].original;

@@ -57,7 +57,7 @@ std::vector<BlowTracker::Running> BlowTracker::blows_of_step(const World& world,
             BodyBlow& blow = at->blow;
             const float part = contact.impulse / at->total_impulse;
             const Pose pose = world.previous_pose(own);
-            blow.point += (glm::vec3(turned_back(pose, contact.point - pose.position)) - blow.point) * part;
+            blow.point += (glm::vec3(to_body_axes(pose, contact.point - pose.position)) - blow.point) * part;
             if (world.contains(other))
                 blow.arm += (contact.point - world.previous_pose(other).position - blow.arm) * part;
             blow.normal += contact.impulse * (first ? contact.normal : -contact.normal);
@@ -86,7 +86,7 @@ bool BlowTracker::continues(const World& world, const Running& running, float sp
     const BodyBlow& blow = running.blow;
     const float length = glm::length(blow.normal);
     if (!(length > 0.0f)) return false;
-    const glm::vec3 own_arm(turned(world.pose(blow.body), glm::dvec3(blow.point)));
+    const glm::vec3 own_arm(to_world_axes(world.pose(blow.body), glm::dvec3(blow.point)));
     const glm::vec3 approach = velocity_at(world, blow.other, blow.arm) - velocity_at(world, blow.body, own_arm);
     return glm::dot(approach, blow.normal / length) > speed;
 }

@@ -133,7 +133,7 @@ std::optional<Pose> Destruction::pose_of(const World& world, const Live& piece) 
 
 Pose Destruction::in_body(const Live& piece, const Pose& body) const {
     if (piece.bonded == none) return body;
-    return moved(body, glm::dvec3(objects_.at(piece.object).structure->offset(piece.bonded)));
+    return offset_pose(body, glm::dvec3(objects_.at(piece.object).structure->offset(piece.bonded)));
 }
 
 // All but the pose and the motion.
@@ -172,10 +172,10 @@ Result<PieceId> Destruction::add_piece(World& world, Live piece, PayloadPtr payl
     const glm::dvec3 arm = solid.mass.centre_of_mass - from;
     BodyDesc body = form ? BodyDesc{.form = form} : body_of(solid);
     body.debris = debris;
-    body.pose = moved(motion.pose, arm);
-    body.previous = moved(motion.previous, arm);
+    body.pose = offset_pose(motion.pose, arm);
+    body.previous = offset_pose(motion.previous, arm);
     body.linear_velocity =
-        glm::vec3(glm::dvec3(motion.linear) + glm::cross(glm::dvec3(motion.angular), turned(motion.pose, arm)));
+        glm::vec3(glm::dvec3(motion.linear) + glm::cross(glm::dvec3(motion.angular), to_world_axes(motion.pose, arm)));
     body.angular_velocity = motion.angular;
     body.friction = desc.solid.material.friction;
     body.restitution = desc.solid.material.restitution;

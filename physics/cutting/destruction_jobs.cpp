@@ -64,7 +64,7 @@ void Destruction::collect_blows(World& world) {
         const Live& piece = pieces_.at(id);
         if (2.0f * blow.energy <= desc_of(piece).impact_speed * blow.impulse) continue;
         Hit hit{.blow = {glm::dvec3(blow.point) + piece.solid->mass.centre_of_mass,
-                         turned_back(world.pose(blow.body), blow.normal), blow.energy},
+                         to_body_axes(world.pose(blow.body), blow.normal), blow.energy},
                 .equivalent_impulse = blow.equivalent_impulse,
                 .contact = {.striker = blow.other, .arm = blow.arm, .lost = blow.energy}};
         // A contact with the ground or a fixed body is not solved again.
@@ -85,8 +85,8 @@ void Destruction::update_structures(World& world) {
             if (at == pieces_.end() || !world.contains(body_of(at->second))) continue;
             const Pose pose = *pose_of(world, at->second);
             const Hit hit{
-                .blow = {turned_back(pose, impact.point - pose.position) + at->second.solid->mass.centre_of_mass,
-                         turned_back(pose, impact.normal), impact.energy},
+                .blow = {to_body_axes(pose, impact.point - pose.position) + at->second.solid->mass.centre_of_mass,
+                         to_body_axes(pose, impact.normal), impact.energy},
                 .equivalent_impulse = static_cast<double>(impact.impulse * impact.sharpness),
                 .contact = {.striker = impact.other}};
             hit_piece(world, piece, hit);
@@ -123,8 +123,8 @@ std::optional<Blow> Destruction::blow_at(const World& world, const Live& piece, 
     if (!finite(point) || !finite(normal) || !(glm::length(normal) > 0.0f)) return std::nullopt;
     const std::optional<Pose> pose = pose_of(world, piece);
     if (!pose || !(energy > 0.0) || !std::isfinite(energy)) return std::nullopt;
-    return Blow{turned_back(*pose, point - pose->position) + piece.solid->mass.centre_of_mass,
-                turned_back(*pose, glm::normalize(normal)), energy};
+    return Blow{to_body_axes(*pose, point - pose->position) + piece.solid->mass.centre_of_mass,
+                to_body_axes(*pose, glm::normalize(normal)), energy};
 }
 
 // Whether a blow cuts a piece, or may cut a part of it once the running job is done.
@@ -205,7 +205,7 @@ void Destruction::start_job(const World& world, PieceId id, const Hit& hit) {
 // m/s^2, in the coordinates of the object; zero for a piece without a body.
 glm::dvec3 Destruction::gravity_of(const World& world, const Live& piece) const {
     const BodyId body = body_of(piece);
-    return world.contains(body) ? turned_back(world.pose(body), world.settings().gravity) : glm::dvec3(0.0);
+    return world.contains(body) ? to_body_axes(world.pose(body), world.settings().gravity) : glm::dvec3(0.0);
 }
 
 // A blow that breaks nothing at its contact may break the weakest section of a held piece. While a job cuts the piece,
@@ -242,8 +242,8 @@ void Destruction::update_loads(const World& world) {
             const Pose pose = world.pose(at->first);
             const glm::vec3 impulse = (first ? 1.0f : -1.0f) * (contact.impulse * contact.normal + contact.friction);
             loads[at->second].push_back(
-                {turned_back(pose, contact.point - pose.position) + piece.solid->mass.centre_of_mass,
-                 turned_back(pose, impulse) / step});
+                {to_body_axes(pose, contact.point - pose.position) + piece.solid->mass.centre_of_mass,
+                 to_body_axes(pose, impulse) / step});
         }
     for (const auto& [body, id] : held) {
         Live& piece = pieces_.at(id);

@@ -23,7 +23,7 @@ double energy_given(const World& world, const SuspendedContact& contact, const g
     if (!(size > 0.0f)) return 0.0;
     const glm::vec3 direction = impulse / size, point = point_of(world, contact);
     return static_cast<double>(size
-                               * (speed_at(world, contact.striker, point, direction)
+                               * (velocity_along(world, contact.striker, point, direction)
                                   + 0.5f * size * response_at(world, contact.striker, point, direction)));
 }
 
@@ -39,13 +39,14 @@ void suspend(World& world, BodyId piece, SuspendedContact& contact) {
     if (!(max_impulse > 0.0f)) return;
     const glm::vec3 normal = contact.normal_impulse / max_impulse;
     const glm::vec3 point = point_of(world, contact);
-    const float separation = speed_at(world, piece, point, normal) - speed_at(world, contact.striker, point, normal);
+    const float separation =
+        velocity_along(world, piece, point, normal) - velocity_along(world, contact.striker, point, normal);
     const float response =
         response_at(world, piece, point, normal) + response_at(world, contact.striker, point, normal);
     if (!(response > 0.0f)) return;
     const float bounce = std::clamp(separation / response, 0.0f, max_impulse);
-    push(world, piece, -bounce * normal, point);
-    push(world, contact.striker, bounce * normal, point);
+    apply_impulse(world, piece, -bounce * normal, point);
+    apply_impulse(world, contact.striker, bounce * normal, point);
     contact.normal_impulse = (max_impulse - bounce) * normal;
 }
 
@@ -68,7 +69,8 @@ void restore(World& world, BodyId piece, double crack_share, SuspendedContact& c
     const glm::vec3 point = point_of(world, contact);
     // A share s of the impulse brings the energy  linear s + quadratic s^2.
     const double linear = static_cast<double>(
-        size * (speed_at(world, contact.striker, point, direction) - speed_at(world, piece, point, direction)));
+        size
+        * (velocity_along(world, contact.striker, point, direction) - velocity_along(world, piece, point, direction)));
     const double response = static_cast<double>(response_at(world, contact.striker, point, direction)
                                                 + response_at(world, piece, point, direction));
     const double quadratic = 0.5 * response * static_cast<double>(size) * static_cast<double>(size);
@@ -76,8 +78,8 @@ void restore(World& world, BodyId piece, double crack_share, SuspendedContact& c
         const double root = std::sqrt(linear * linear + 4.0 * quadratic * contact.lost);
         scale(std::clamp((root - linear) / (2.0 * quadratic), 0.0, 1.0));
     }
-    push(world, piece, -contact.normal_impulse - contact.friction_impulse, point);
-    push(world, contact.striker, contact.normal_impulse + contact.friction_impulse, point);
+    apply_impulse(world, piece, -contact.normal_impulse - contact.friction_impulse, point);
+    apply_impulse(world, contact.striker, contact.normal_impulse + contact.friction_impulse, point);
 }
 
 void solve_again(World& world, BodyId part, SuspendedContact& contact) {
@@ -87,12 +89,12 @@ void solve_again(World& world, BodyId part, SuspendedContact& contact) {
     double lost = 0.0;
     const auto stop = [&](const glm::vec3& direction, float max_impulse) {
         const float approach =
-            speed_at(world, contact.striker, point, direction) - speed_at(world, part, point, direction);
+            velocity_along(world, contact.striker, point, direction) - velocity_along(world, part, point, direction);
         const float response =
             response_at(world, part, point, direction) + response_at(world, contact.striker, point, direction);
         const float impulse = response > 0.0f ? std::clamp(approach / response, 0.0f, max_impulse) : 0.0f;
-        push(world, part, impulse * direction, point);
-        push(world, contact.striker, -impulse * direction, point);
+        apply_impulse(world, part, impulse * direction, point);
+        apply_impulse(world, contact.striker, -impulse * direction, point);
         lost += static_cast<double>(impulse * (approach - 0.5f * response * impulse));
         return impulse;
     };

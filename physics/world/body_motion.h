@@ -12,23 +12,23 @@
 namespace brittle::physics {
 
 // Rotates a vector from body axes to world axes.
-[[nodiscard]] inline glm::dvec3 turned(const Pose& pose, const glm::dvec3& arm) {
+[[nodiscard]] inline glm::dvec3 to_world_axes(const Pose& pose, const glm::dvec3& arm) {
     return glm::dquat(pose.orientation) * arm;
 }
 
 // Rotates a vector from world axes to body axes.
-[[nodiscard]] inline glm::dvec3 turned_back(const Pose& pose, const glm::vec3& arm) {
+[[nodiscard]] inline glm::dvec3 to_body_axes(const Pose& pose, const glm::vec3& arm) {
     return glm::conjugate(glm::dquat(pose.orientation)) * glm::dvec3(arm);
 }
 
 // Returns the pose of a frame at an offset (m, body axes) from the body's, with the body's orientation.
-[[nodiscard]] inline Pose moved(const Pose& body, const glm::dvec3& arm) {
-    return {glm::vec3(glm::dvec3(body.position) + turned(body, arm)), body.orientation};
+[[nodiscard]] inline Pose offset_pose(const Pose& body, const glm::dvec3& arm) {
+    return {glm::vec3(glm::dvec3(body.position) + to_world_axes(body, arm)), body.orientation};
 }
 
 // Returns the velocity, m/s, of a body's point along a unit direction.
-[[nodiscard]] inline float speed_at(const World& world, BodyId body, const glm::vec3& point,
-                                    const glm::vec3& direction) {
+[[nodiscard]] inline float velocity_along(const World& world, BodyId body, const glm::vec3& point,
+                                          const glm::vec3& direction) {
     if (!world.contains(body)) return 0.0f;
     const glm::vec3 arm = point - world.pose(body).position;
     return glm::dot(world.linear_velocity(body) + glm::cross(world.angular_velocity(body), arm), direction);
@@ -40,7 +40,7 @@ namespace brittle::physics {
     return world.contains(body) ? world.response(body, point, direction) : 0.0f;
 }
 
-inline void push(World& world, BodyId body, const glm::vec3& impulse, const glm::vec3& point) {
+inline void apply_impulse(World& world, BodyId body, const glm::vec3& impulse, const glm::vec3& point) {
     if (world.contains(body)) world.apply_impulse(body, impulse, point);
 }
 
