@@ -73,8 +73,8 @@ Result<Structure> Structure::create(World& world, const Fragments& fragments, co
     return structure;
 }
 
-std::vector<uint8_t> Structure::choose_debris(const World& world,
-                                              std::span<const std::vector<uint32_t>> islands) const {
+std::vector<uint8_t> Structure::debris_of_islands(const World& world,
+                                                  std::span<const std::vector<uint32_t>> islands) const {
     std::vector<BatchBody> batch;
     for (const std::vector<uint32_t>& island : islands) {
         BatchBody& one = batch.emplace_back();

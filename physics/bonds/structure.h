@@ -166,8 +166,8 @@ class Structure {
     [[nodiscard]] BodyDesc describe(const std::vector<uint32_t>& island, const Motion& motion, BodyState& body) const;
     void make_forms(uint32_t threads);
     // Returns 1 for each island of a split body that becomes debris because too many bodies collide, else 0.
-    [[nodiscard]] std::vector<uint8_t> choose_debris(const World& world,
-                                                     std::span<const std::vector<uint32_t>> islands) const;
+    [[nodiscard]] std::vector<uint8_t> debris_of_islands(const World& world,
+                                                         std::span<const std::vector<uint32_t>> islands) const;
     [[nodiscard]] bool exists(const World& world, uint32_t body) const;
     [[nodiscard]] uint32_t index_of(BodyId body) const; // into bodies_, or none
     // Returns the piece at hull `part` of a body, or none if the body is not of this structure.

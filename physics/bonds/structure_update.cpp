@@ -163,7 +163,7 @@ void Structure::split(World& world) {
         body_of_id_.erase(old.value);
         bodies_[index].id = {};
         for (const uint32_t piece : std::exchange(bodies_[index].pieces, {})) pieces_[piece].body = none;
-        const std::vector<uint8_t> debris = choose_debris(world, islands);
+        const std::vector<uint8_t> debris = debris_of_islands(world, islands);
         const size_t first = bodies_.size();
         [[maybe_unused]] const Result<void> added = add_islands(world, islands, motion, debris);
         assert(added && "an island of a valid body is a valid body");

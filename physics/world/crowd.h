@@ -19,8 +19,8 @@
 //     const std::vector<uint8_t> debris = choose_debris(batch, colliding_room(world));
 //     for each piece: desc.debris = debris[i];
 //
-// Pure functions; thread-safe. add_pieces(), Structure and Destruction call choose_debris(). World::add_body() calls only
-// partner_size_factor().
+// Pure functions; thread-safe. add_pieces(), Structure and Destruction call choose_debris(). World::add_body() calls
+// partner_size_factor() only.
 #pragma once
 
 #include <cstddef>
@@ -47,9 +47,9 @@ struct BatchBody {
 [[nodiscard]] std::vector<uint8_t> choose_debris(std::span<const BatchBody> batch, size_t room, bool of_debris = false);
 
 // Returns the factor by which the least size of a partner grows: the least length of a moving body that collides with
-// new debris. awake_debris counts all awake debris, the new batch included. The factor is 1 up to twice the limit, then awake_debris / max_colliding - 1:
-// 2 at three times the limit, 3 at four times. Each further thousand thus costs less than the one before. 1 without a
-// limit.
+// new debris. awake_debris counts all awake debris, the new batch included. The factor is 1 up to twice the limit, then
+// awake_debris / max_colliding - 1: 2 at three times the limit, 3 at four times. Each further thousand thus costs less
+// than the one before. 1 without a limit.
 [[nodiscard]] float partner_size_factor(size_t awake_debris, uint32_t max_colliding);
 
 } // namespace brittle::physics
