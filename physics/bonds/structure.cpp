@@ -273,12 +273,12 @@ BodyId Structure::body_of(uint32_t piece) const {
     return pieces_[piece].body == none ? BodyId{} : bodies_[pieces_[piece].body].id;
 }
 
-std::span<const uint32_t> Structure::together_with(uint32_t piece) const {
+std::span<const uint32_t> Structure::pieces_of_body(uint32_t piece) const {
     if (pieces_[piece].body == none) return {};
     return bodies_[pieces_[piece].body].pieces;
 }
 
-bool Structure::came_off(uint32_t piece) const {
+bool Structure::is_detached(uint32_t piece) const {
     if (pieces_[piece].body == none) return false;
     const BodyState& body = bodies_[pieces_[piece].body];
     return !body.fixed && 2 * body.pieces.size() <= pieces_[piece].initial_pieces;

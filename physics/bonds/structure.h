@@ -115,9 +115,9 @@ class Structure {
     [[nodiscard]] BodyId body_of(uint32_t piece) const; // BodyId{} for a removed piece
     [[nodiscard]] bool anchored(uint32_t piece) const { return pieces_[piece].anchored; }
     // Returns all pieces of the piece's body, itself included, in ascending order; empty for a removed piece.
-    [[nodiscard]] std::span<const uint32_t> together_with(uint32_t piece) const;
+    [[nodiscard]] std::span<const uint32_t> pieces_of_body(uint32_t piece) const;
     // Returns whether the piece's body is not fixed and has at most half as many pieces as the piece's first body.
-    [[nodiscard]] bool came_off(uint32_t piece) const;
+    [[nodiscard]] bool is_detached(uint32_t piece) const;
     // Returns the piece's centre of mass in body coordinates, m; zero for a removed piece. With `centre` the piece's
     // centre of mass in the fragments, vertex p of the fragments is at p - centre in the pose of visit_poses(), and at
     // p - centre + offset in the body.

@@ -324,9 +324,9 @@ class Destruction {
     [[nodiscard]] PieceId nearest_of(std::span<const PieceId> made, const glm::dvec3& point) const;
     [[nodiscard]] double crack_energy(const Live& piece, const Broken& broken) const;
     void mark_visible(const World& world, std::span<Debris> candidates, size_t pieces, size_t vertices) const;
-    [[nodiscard]] std::vector<PieceId> together_with(PieceId id) const;
+    [[nodiscard]] std::vector<PieceId> pieces_of_body(PieceId id) const;
     [[nodiscard]] bool is_seen(const World& world, const Live& piece) const;
-    [[nodiscard]] bool came_off(const Live& piece) const;
+    [[nodiscard]] bool is_detached(const Live& piece) const;
     [[nodiscard]] bool is_debris(const Live& piece) const;
     void update_debris(World& world);
     [[nodiscard]] std::vector<PieceId> retire_debris(const World& world, size_t count, size_t vertices);

@@ -70,7 +70,7 @@ void Destruction::commit_due(World& world, double budget) {
 
 // True for a piece whose structure still bonds it to others; the structure releases it in its next update.
 bool Destruction::has_bonds(const Live& piece) const {
-    return piece.bonded != none && objects_.at(piece.object).structure->together_with(piece.bonded).size() > 1;
+    return piece.bonded != none && objects_.at(piece.object).structure->pieces_of_body(piece.bonded).size() > 1;
 }
 
 // False if the commit must wait for the structure to release the piece.

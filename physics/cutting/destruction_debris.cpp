@@ -24,7 +24,7 @@ void Destruction::mark_visible(const World& world, std::span<Debris> candidates,
     const bool excess = pieces > limits.max_pieces || vertices > limits.max_vertices;
     for (Debris& debris : candidates)
         if (excess || debris.slept > limits.sleep_seconds)
-            debris.visible = std::ranges::any_of(together_with(debris.id),
+            debris.visible = std::ranges::any_of(pieces_of_body(debris.id),
                                                  [&](PieceId id) { return is_seen(world, pieces_.at(id)); });
 }
 
@@ -36,26 +36,26 @@ bool Destruction::is_seen(const World& world, const Live& piece) const {
 }
 
 // The piece and all pieces that are bonded to it, directly or not.
-std::vector<PieceId> Destruction::together_with(PieceId id) const {
+std::vector<PieceId> Destruction::pieces_of_body(PieceId id) const {
     const Live& piece = pieces_.at(id);
     if (piece.bonded == none) return {id};
     const Object& object = objects_.at(piece.object);
     std::vector<PieceId> pieces;
-    for (const uint32_t other : object.structure->together_with(piece.bonded)) pieces.push_back(object.bonded[other]);
+    for (const uint32_t other : object.structure->pieces_of_body(piece.bonded)) pieces.push_back(object.bonded[other]);
     return pieces;
 }
 
-bool Destruction::came_off(const Live& piece) const {
+bool Destruction::is_detached(const Live& piece) const {
     return piece.bonded == none ? piece.depth > 0 && !piece.solid->anchored
-                                : objects_.at(piece.object).structure->came_off(piece.bonded);
+                                : objects_.at(piece.object).structure->is_detached(piece.bonded);
 }
 
 // The first piece of a bonded group stands for the group.
 bool Destruction::is_debris(const Live& piece) const {
-    if (!came_off(piece) || piece.job != none || piece.fading > 0) return false;
+    if (!is_detached(piece) || piece.job != none || piece.fading > 0) return false;
     if (piece.bonded == none) return true;
     const Object& object = objects_.at(piece.object);
-    const std::span<const uint32_t> together = object.structure->together_with(piece.bonded);
+    const std::span<const uint32_t> together = object.structure->pieces_of_body(piece.bonded);
     return together.front() == piece.bonded && std::ranges::all_of(together, [&](uint32_t other) {
                return pieces_.at(object.bonded[other]).job == none;
            });
@@ -78,7 +78,7 @@ void Destruction::update_debris(World& world) {
         }
         ++count;
         vertices += piece.solid->positions.size();
-        if (piece.bonded != none && !came_off(piece)) piece.born = world.steps_taken();
+        if (piece.bonded != none && !is_detached(piece)) piece.born = world.steps_taken();
         if (!is_debris(piece)) continue;
         piece.slept = world.awake(body_of(piece)) ? 0 : piece.slept + 1;
         slept_too_long = slept_too_long || static_cast<double>(piece.slept) * step > limits.sleep_seconds;
@@ -108,7 +108,7 @@ std::vector<PieceId> Destruction::retire_debris(const World& world, size_t count
         Debris& debris = candidates.emplace_back(Debris{.id = id, .pieces = 0});
         debris.age = static_cast<double>(world.steps_taken() - piece.born) * step;
         debris.slept = static_cast<double>(piece.slept) * step;
-        for (const PieceId part : together_with(id)) {
+        for (const PieceId part : pieces_of_body(id)) {
             const SolidPiece& solid = *pieces_.at(part).solid;
             ++debris.pieces;
             debris.volume += solid.mass.volume;
@@ -119,7 +119,7 @@ std::vector<PieceId> Destruction::retire_debris(const World& world, size_t count
     std::vector<PieceId> gone;
     for (const PieceId id : physics::retire_debris(candidates, count, vertices, settings_.debris)) {
         const auto seen = std::ranges::lower_bound(candidates, id, {}, &Debris::id);
-        for (const PieceId part : together_with(id)) {
+        for (const PieceId part : pieces_of_body(id)) {
             ++statistics_.retired;
             if (seen->visible)
                 pieces_.at(part).fading = steps_of(settings_.debris.fade_seconds, world);

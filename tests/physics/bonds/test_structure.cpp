@@ -575,13 +575,13 @@ TEST_CASE("a body that came off can be removed with all its pieces while the anc
     World world;
     Structure structure =
         must_create(world, bar(7), {.motion = {.placement = {{0.0f, 0.3f, 0.0f}}}, .anchored = {0, 6}});
-    CHECK_FALSE(structure.came_off(1));
-    CHECK(structure.together_with(3).size() == 7);
+    CHECK_FALSE(structure.is_detached(1));
+    CHECK(structure.pieces_of_body(3).size() == 7);
     structure.break_bonds(std::array{2u, 5u});
     structure.update(world);
     REQUIRE(world.body_count() == 3);
-    for (uint32_t piece = 0; piece < 7; ++piece) CHECK(structure.came_off(piece) == (piece >= 3 && piece <= 5));
-    CHECK(std::ranges::equal(structure.together_with(4), std::array{3u, 4u, 5u}));
+    for (uint32_t piece = 0; piece < 7; ++piece) CHECK(structure.is_detached(piece) == (piece >= 3 && piece <= 5));
+    CHECK(std::ranges::equal(structure.pieces_of_body(4), std::array{3u, 4u, 5u}));
     const BodyId hammer = *world.add_body(ball(0.05f, 1.0f, {0.45f, 0.47f, 0.05f}, {0.0f, -10.0f, 0.0f}));
     const auto is_hit = [&](const Contact& contact) { return contact.a == hammer || contact.b == hammer; };
     for (int step = 0; std::ranges::none_of(world.contacts(), is_hit); ++step) {
@@ -596,8 +596,8 @@ TEST_CASE("a body that came off can be removed with all its pieces while the anc
     CHECK(structure.update(world).broken.size() == 2);
     for (const uint32_t piece : {3u, 4u, 5u}) {
         CHECK(structure.body_of(piece) == BodyId{});
-        CHECK(structure.together_with(piece).empty());
-        CHECK_FALSE(structure.came_off(piece));
+        CHECK(structure.pieces_of_body(piece).empty());
+        CHECK_FALSE(structure.is_detached(piece));
         structure.remove_body(world, piece);
         structure.isolate(piece);
         structure.blow(world, piece, {0.0f, -100.0f, 0.0f});

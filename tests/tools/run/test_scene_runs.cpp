@@ -198,7 +198,7 @@ TEST_CASE("materials: the material decides the result of a fall from 2.5 m and o
             const physics::Structure& structure = *simulation.structure();
             size_t largest = 0;
             for (uint32_t piece = 0; piece < structure.piece_count(); ++piece)
-                largest = std::max(largest, structure.together_with(piece).size());
+                largest = std::max(largest, structure.pieces_of_body(piece).size());
             const size_t bodies = structure.bodies().size(), all = structure.piece_count();
             MESSAGE(material.name, shot ? " shot at: " : " dropped: ", bodies, " bodies, of the ", all, " pieces ",
                     largest, " in one");
