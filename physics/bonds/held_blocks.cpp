@@ -185,8 +185,8 @@ held_blocks(const fracture::TriangleMesh& mesh, float density, const HeldBlockSe
     return blocks;
 }
 
-std::vector<uint32_t> overloaded(const HeldBlocks& blocks, const Material& material, float strength_scale,
-                                 const glm::dvec3& gravity, std::span<const PointLoad> contact_loads) {
+std::vector<uint32_t> islands_under_load(const HeldBlocks& blocks, const Material& material, float strength_scale,
+                                         const glm::dvec3& gravity, std::span<const PointLoad> contact_loads) {
     const Material reduced = scaled(material, strength_scale);
     LoadedBlocks loaded(blocks, reduced);
     loaded.add_weight(gravity);
@@ -196,8 +196,8 @@ std::vector<uint32_t> overloaded(const HeldBlocks& blocks, const Material& mater
     return loaded.islands();
 }
 
-std::vector<uint32_t> knocked_loose(const HeldBlocks& blocks, const Material& material, float strength_scale,
-                                    const glm::dvec3& gravity, const PointLoad& impulse, double energy) {
+std::vector<uint32_t> islands_after_blow(const HeldBlocks& blocks, const Material& material, float strength_scale,
+                                         const glm::dvec3& gravity, const PointLoad& impulse, double energy) {
     const Material reduced = scaled(material, strength_scale);
     // The section that breaks depends on where stresses are largest, not on their size: hence the limit 0.
     LoadedBlocks blown(blocks, reduced);
@@ -220,7 +220,7 @@ std::vector<uint32_t> knocked_loose(const HeldBlocks& blocks, const Material& ma
     std::erase_if(left.bonds, [&](const StressBond& bond) {
         return (islands[bond.a] == islands[hit]) != (islands[bond.b] == islands[hit]);
     });
-    return overloaded(left, material, strength_scale, gravity, {});
+    return islands_under_load(left, material, strength_scale, gravity, {});
 }
 
 } // namespace brittle::physics

@@ -6,7 +6,7 @@
 // blocks. Contacts beyond their strength break, the most loaded first, until the rest bears its load.
 //
 //     std::shared_ptr<const HeldBlocks> blocks = held_blocks(mesh, density, settings, is_held);
-//     std::vector<uint32_t> islands = overloaded(*blocks, material, 0.05f, gravity, {});   // all 0: it stands
+//     std::vector<uint32_t> islands = islands_under_load(*blocks, material, 0.05f, gravity, {});   // all 0: it stands
 //
 // A blow of impulse J that breaks nothing where it lands gives the struck part the kinetic energy J^2 / (2 m), at most
 // the energy of the blow; m is the mass beyond the weakest section under the blow. That section breaks if the energy
@@ -67,13 +67,14 @@ struct PointLoad {
 // Breaks overloaded contacts until none is left, and returns the island of each block. Islands are numbered by their
 // first blocks; all are 0 if the solid stands. An island without a fixed block carries no load and stays whole. Each
 // contact load acts on the nearest block.
-[[nodiscard]] std::vector<uint32_t> overloaded(const HeldBlocks& blocks, const Material& material, float strength_scale,
-                                               const glm::dvec3& gravity, std::span<const PointLoad> contact_loads);
+[[nodiscard]] std::vector<uint32_t> islands_under_load(const HeldBlocks& blocks, const Material& material,
+                                                       float strength_scale, const glm::dvec3& gravity,
+                                                       std::span<const PointLoad> contact_loads);
 
 // Returns the islands after a blow of an impulse (N s) at a point and of an energy (J), which bounds the kinetic energy
 // of the struck part; all 0 if no section breaks. Once a section breaks, further contacts may break under the weight.
-[[nodiscard]] std::vector<uint32_t> knocked_loose(const HeldBlocks& blocks, const Material& material,
-                                                  float strength_scale, const glm::dvec3& gravity,
-                                                  const PointLoad& impulse, double energy);
+[[nodiscard]] std::vector<uint32_t> islands_after_blow(const HeldBlocks& blocks, const Material& material,
+                                                       float strength_scale, const glm::dvec3& gravity,
+                                                       const PointLoad& impulse, double energy);
 
 } // namespace brittle::physics

@@ -107,8 +107,8 @@ void Destruction::part_if_overloaded(const World& world, PieceId id) {
     const Live& piece = pieces_.at(id);
     if (!piece.solid->blocks) return;
     const SolidSettings& settings = desc_of(piece).solid;
-    std::vector<uint32_t> islands = overloaded(*piece.solid->blocks, settings.material, settings.blocks.strength_scale,
-                                               gravity_of(world, piece), {});
+    std::vector<uint32_t> islands = islands_under_load(*piece.solid->blocks, settings.material,
+                                                       settings.blocks.strength_scale, gravity_of(world, piece), {});
     if (std::ranges::any_of(islands, [](uint32_t island) { return island != 0; }))
         start_parting(world, id, {}, [found = std::move(islands)](const auto&...) { return found; });
 }

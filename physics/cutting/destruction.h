@@ -16,7 +16,7 @@
 //     lasts (contact_blows.h). A structure reports the impacts on its pieces itself.
 //  2. Judgement. A blow breaks a piece if its equivalent impulse exceeds the piece's bearable_impulse() (solid_piece.h)
 //     and its energy is enough for a cut (damage_of() in impact_pattern.h). A blow below that on a held piece may still
-//     break its weakest section elsewhere (knocked_loose() in held_blocks.h).
+//     break its weakest section elsewhere (islands_after_blow() in held_blocks.h).
 //  3. Suspension. The piece moves on whole until its job is done. The striker rests at the piece: its bounce is taken
 //     back (suspended_contact.h).
 //  4. Job, on a worker thread. It places sites around the contact, cuts the solid, and makes masses, hulls, body forms

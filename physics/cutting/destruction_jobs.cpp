@@ -40,7 +40,7 @@ std::vector<SolidPtr> standing(std::vector<SolidPtr> pieces, const SolidSettings
             continue;
         }
         const std::vector<uint32_t> islands =
-            overloaded(*piece->blocks, settings.material, settings.blocks.strength_scale, gravity, {});
+            islands_under_load(*piece->blocks, settings.material, settings.blocks.strength_scale, gravity, {});
         Result<std::vector<SolidPtr>> parts(std::vector<SolidPtr>{piece});
         if (std::ranges::any_of(islands, [](uint32_t island) { return island != 0; }))
             parts = break_apart(*piece, islands, settings, cancelled);
@@ -220,8 +220,8 @@ void Destruction::break_elsewhere(const World& world, PieceId id, const Hit& hit
     start_parting(world, id, hit,
                   [energy = hit.blow.energy, blow = PointLoad{hit.blow.point, impulse * hit.blow.normal}](
                       const SolidPiece& solid, const SolidSettings& settings, const glm::dvec3& gravity) {
-                      return knocked_loose(*solid.blocks, settings.material, settings.blocks.strength_scale, gravity,
-                                           blow, energy);
+                      return islands_after_blow(*solid.blocks, settings.material, settings.blocks.strength_scale,
+                                                gravity, blow, energy);
                   });
 }
 
@@ -261,8 +261,8 @@ void Destruction::update_loads(const World& world) {
         start_parting(world, id, {},
                       [=, pushes = std::move(found->second)](const SolidPiece& solid, const SolidSettings& settings,
                                                              const glm::dvec3& gravity) {
-                          return overloaded(*solid.blocks, settings.material, settings.blocks.strength_scale, gravity,
-                                            pushes);
+                          return islands_under_load(*solid.blocks, settings.material, settings.blocks.strength_scale,
+                                                    gravity, pushes);
                       });
     }
 }

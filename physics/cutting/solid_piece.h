@@ -75,9 +75,9 @@ using SolidPtr = std::shared_ptr<const SolidPiece>;
 break_solid(const SolidPiece& solid, std::span<const glm::dvec3> sites, std::span<const uint32_t> groups,
             const SolidSettings& settings, const std::function<bool()>& cancelled = {});
 
-// Cuts a solid between blocks of different islands, as overloaded() and knocked_loose() number them. Precondition:
-// solid.blocks, and one island a block. An island below the minimum size joins the neighbour that it touches most. One
-// piece where no cut remains; otherwise as break_solid().
+// Cuts a solid between blocks of different islands, which islands_under_load() and islands_after_blow() number.
+// Precondition: solid.blocks, and one island a block. An island below the minimum size joins the neighbour that it
+// touches most. One piece where no cut remains; otherwise as break_solid().
 [[nodiscard]] fracture::Result<std::vector<SolidPtr>> break_apart(const SolidPiece& solid,
                                                                   std::span<const uint32_t> islands,
                                                                   const SolidSettings& settings,

@@ -66,7 +66,7 @@ AirDrag drag_of(const BodyMeasures& body, const CompoundShape& compound, std::sp
         const CrossSection own = section_of(*part.hull);
         all.insert(all.end(), own.sides.begin(), own.sides.end());
     }
-    CrossSection section = bundled(all);
+    CrossSection section = reduced(all);
     for (glm::vec3& side : section.sides) side = glm::conjugate(body.to_principal) * side;
     const Bounds bounds = compound.bounds({});
     const CrossSection around = section_of_box(glm::dvec3((bounds.high - bounds.low)) * 0.5,

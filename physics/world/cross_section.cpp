@@ -51,7 +51,7 @@ CrossSection section_of_box(const glm::dvec3& half, const std::array<glm::dvec3,
              glm::vec3(4.0 * half.x * half.y * axes[2])}};
 }
 
-CrossSection bundled(std::span<const glm::vec3> sides) {
+CrossSection reduced(std::span<const glm::vec3> sides) {
     std::array<glm::dvec3, axes_of_cube.size()> axes, sums{};
     for (size_t i = 0; i < axes.size(); ++i)
         axes[i] = glm::normalize(glm::dvec3(axes_of_cube[i][0], axes_of_cube[i][1], axes_of_cube[i][2]));

@@ -33,6 +33,6 @@ struct CrossSection {
 // Reduces sides to at most thirteen, one for each axis through the faces, edges and corners of a cube: the sides
 // nearest to one axis are summed. The mean is preserved exactly. The shadow is exact if no two sides share an axis;
 // otherwise its error is a few per cent, a quarter at worst.
-[[nodiscard]] CrossSection bundled(std::span<const glm::vec3> sides);
+[[nodiscard]] CrossSection reduced(std::span<const glm::vec3> sides);
 
 } // namespace brittle::physics

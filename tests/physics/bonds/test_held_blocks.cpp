@@ -116,8 +116,8 @@ TEST_CASE("blocks: a stem bears the load of its cross section, and breaks in the
         REQUIRE(blocks);
         const auto scale = static_cast<float>(section_ratio(stem));
         // Contacts of Voronoi blocks are slightly tilted, and the head's centre is not exactly above them.
-        CHECK(stands(overloaded(*blocks, concrete, 8.0f * scale, down, {})));
-        check_head_is_off(*blocks, overloaded(*blocks, concrete, 0.6f * scale, down, {}));
+        CHECK(stands(islands_under_load(*blocks, concrete, 8.0f * scale, down, {})));
+        check_head_is_off(*blocks, islands_under_load(*blocks, concrete, 0.6f * scale, down, {}));
     }
 }
 
@@ -129,11 +129,11 @@ TEST_CASE("blocks: a cantilever breaks at the Euler-Bernoulli load, up to the er
     const auto blocks = blocks_of(fracture::cuboid({length, height, 0.2}), {{-1.1, -1.0, -1.0}, {-0.99, 1.0, 1.0}});
     REQUIRE(blocks);
     double low = 0.01 * critical, high = 100.0 * critical; // breaks, stands
-    REQUIRE(!stands(overloaded(*blocks, concrete, static_cast<float>(low), down, {})));
-    REQUIRE(stands(overloaded(*blocks, concrete, static_cast<float>(high), down, {})));
+    REQUIRE(!stands(islands_under_load(*blocks, concrete, static_cast<float>(low), down, {})));
+    REQUIRE(stands(islands_under_load(*blocks, concrete, static_cast<float>(high), down, {})));
     for (int k = 0; k < 30; ++k) {
         const double middle = std::sqrt(low * high);
-        (stands(overloaded(*blocks, concrete, static_cast<float>(middle), down, {})) ? high : low) = middle;
+        (stands(islands_under_load(*blocks, concrete, static_cast<float>(middle), down, {})) ? high : low) = middle;
     }
     MESSAGE("the beam stands at ", high / critical, " of the strength by the formula");
     // Expected from the disc's I = A^2 / (4 pi) and a first contact at a distance from the wall.
@@ -141,8 +141,8 @@ TEST_CASE("blocks: a cantilever breaks at the Euler-Bernoulli load, up to the er
     CHECK(high < 2.0 * critical);
     // A load at its end adds to the weight, and without gravity nothing breaks.
     const PointLoad hanging{{0.95, 0.0, 0.0}, {0.0, -2400.0 * 0.08 * 9.81, 0.0}};
-    CHECK_FALSE(stands(overloaded(*blocks, concrete, static_cast<float>(1.2 * high), down, {&hanging, 1})));
-    CHECK(stands(overloaded(*blocks, concrete, static_cast<float>(low), glm::dvec3(0.0), {})));
+    CHECK_FALSE(stands(islands_under_load(*blocks, concrete, static_cast<float>(1.2 * high), down, {&hanging, 1})));
+    CHECK(stands(islands_under_load(*blocks, concrete, static_cast<float>(low), glm::dvec3(0.0), {})));
 }
 
 TEST_CASE("blocks: a blow breaks the stem if and only if its energy pays for the cross section") {
@@ -155,12 +155,13 @@ TEST_CASE("blocks: a blow breaks the stem if and only if its energy pays for the
     const double energy = std::numbers::pi * stem * stem * static_cast<double>(concrete.fracture_energy);
     const double impulse = std::sqrt(2.0 * head * energy);
     const auto after = [&](double share, double own_energy) {
-        return knocked_loose(*blocks, concrete, 1.0f, down, {{0.5, 1.25, 0.0}, {-share * impulse, 0.0, 0.0}},
-                             own_energy);
+        return islands_after_blow(*blocks, concrete, 1.0f, down, {{0.5, 1.25, 0.0}, {-share * impulse, 0.0, 0.0}},
+                                  own_energy);
     };
     CHECK(stands(after(0.4, 1e6)));
     CHECK(stands(after(2.5, 0.5 * energy))); // limited by the blow's own energy
     check_head_is_off(*blocks, after(2.5, 1e6));
     // The foot is fixed: a blow to it breaks nothing.
-    CHECK(stands(knocked_loose(*blocks, concrete, 1.0f, down, {{0.3, 0.005, 0.0}, {-1e-3 * impulse, 0.0, 0.0}}, 1e6)));
+    CHECK(stands(
+        islands_after_blow(*blocks, concrete, 1.0f, down, {{0.3, 0.005, 0.0}, {-1e-3 * impulse, 0.0, 0.0}}, 1e6)));
 }

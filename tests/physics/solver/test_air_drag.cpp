@@ -95,7 +95,7 @@ TEST_CASE("air drag: points without volume have the cross section of the box aro
     CHECK(cross_section({}).mean() == 0.0f);
     CHECK(cross_section(std::array{glm::vec3(1.0f)}).mean() == 0.0f);
     CHECK(cross_section(std::array{glm::vec3(0.0f), glm::vec3(1.0f)}).mean() < 1e-6f);
-    CHECK(bundled({}).sides.empty());
+    CHECK(reduced({}).sides.empty());
     const std::array square{glm::vec3(0, 0, 0), glm::vec3(2, 0, 0), glm::vec3(2, 0, 1), glm::vec3(0, 0, 1)};
     CHECK(cross_section(square).along({0, 1, 0}) == doctest::Approx(2.0));
     CHECK(cross_section(square).along({1, 0, 0}) == doctest::Approx(0.0));
@@ -127,7 +127,7 @@ TEST_CASE("air drag: the cross section of a rotated box is exact from any direct
             const double exact =
                 4.0 * (inner.y * inner.z * own.x + inner.z * inner.x * own.y + inner.x * inner.y * own.z);
             CHECK(static_cast<double>(section.along(glm::vec3(u))) == doctest::Approx(exact).epsilon(1e-3).scale(0.0));
-            CHECK(static_cast<double>(bundled(section.sides).along(glm::vec3(u)))
+            CHECK(static_cast<double>(reduced(section.sides).along(glm::vec3(u)))
                   == doctest::Approx(exact).epsilon(1e-3).scale(0.0));
         }
     }
@@ -146,7 +146,7 @@ TEST_CASE("air drag: the cross section of a fracture piece is exact, and the bun
             const glm::dvec3 u = random.direction();
             const double exact = projected_area(points, u);
             worst = std::max(worst, std::abs(static_cast<double>(section.along(glm::vec3(u))) / exact - 1.0));
-            const double off = static_cast<double>(bundled(section.sides).along(glm::vec3(u))) / exact - 1.0;
+            const double off = static_cast<double>(reduced(section.sides).along(glm::vec3(u))) / exact - 1.0;
             rough = std::max(rough, std::abs(off));
             mean += off;
         }
