@@ -139,11 +139,6 @@ class LoadedBlocks {
     std::vector<uint8_t> island_held_; // by island
 };
 
-Material scaled(Material material, float scale) {
-    for (float* strength : {&material.tensile, &material.compressive, &material.shear}) *strength *= scale;
-    return material;
-}
-
 } // namespace
 
 std::vector<glm::dvec3> block_sites(const fracture::TriangleMesh& mesh, uint32_t max_sites) {
@@ -187,7 +182,7 @@ held_blocks(const fracture::TriangleMesh& mesh, float density, const HeldBlockSe
 
 std::vector<uint32_t> islands_under_load(const HeldBlocks& blocks, const Material& material, float strength_scale,
                                          const glm::dvec3& gravity, std::span<const PointLoad> contact_loads) {
-    const Material reduced = scaled(material, strength_scale);
+    const Material reduced = scale_strength(material, strength_scale);
     LoadedBlocks loaded(blocks, reduced);
     loaded.add_weight(gravity);
     for (const PointLoad& load : contact_loads) loaded.add_load(loaded.nearest(load.point), load);
@@ -198,7 +193,7 @@ std::vector<uint32_t> islands_under_load(const HeldBlocks& blocks, const Materia
 
 std::vector<uint32_t> islands_after_blow(const HeldBlocks& blocks, const Material& material, float strength_scale,
                                          const glm::dvec3& gravity, const PointLoad& impulse, double energy) {
-    const Material reduced = scaled(material, strength_scale);
+    const Material reduced = scale_strength(material, strength_scale);
     // The section that breaks depends on where stresses are largest, not on their size: hence the limit 0.
     LoadedBlocks blown(blocks, reduced);
     const uint32_t hit = blown.nearest(impulse.point);

@@ -6,7 +6,8 @@
 // blocks. Contacts beyond their strength break, the most loaded first, until the rest bears its load.
 //
 //     std::shared_ptr<const HeldBlocks> blocks = held_blocks(mesh, density, settings, is_held);
-//     std::vector<uint32_t> islands = islands_under_load(*blocks, material, 0.05f, gravity, {});   // all 0: it stands
+//     std::vector<uint32_t> islands = islands_under_load(*blocks, material, sustained_strength, gravity, {});
+//     // all 0: the solid stands
 //
 // A blow of impulse J that breaks nothing where it lands gives the struck part the kinetic energy J^2 / (2 m), at most
 // the energy of the blow; m is the mass beyond the weakest section under the blow. That section breaks if the energy
@@ -33,9 +34,8 @@ namespace brittle::physics {
 
 struct HeldBlockSettings {
     bool enabled = true;
-    uint32_t max_blocks = 96; // upper bound, at least 2; fewer in a solid of even thickness
-    // Factor on the material's strengths against permanent loads, as WearSettings::strength_scale.
-    float strength_scale = 0.05f;
+    uint32_t max_blocks = 96;                  // upper bound, at least 2; fewer in a solid of even thickness
+    float strength_scale = sustained_strength; // factor on the material's strengths against permanent loads
 };
 
 struct HeldBlocks {

@@ -19,15 +19,13 @@ constexpr double min_contact_ratio = 1e-3;
 
 Wear::Wear(std::span<const StressNode> nodes, const BondGraph& graph, const Material& material,
            const WearSettings& settings)
-    : material_(material), settings_(settings), mean_contact_loads_(nodes.size()), solver_loads_(nodes.size()),
-      ratios_(graph.bonds().size(), 0.0) {
+    : material_(scale_strength(material, settings.strength_scale)), settings_(settings),
+      mean_contact_loads_(nodes.size()), solver_loads_(nodes.size()), ratios_(graph.bonds().size(), 0.0) {
     std::vector<StressBond> bonds;
     for (const BondGraph::Bond& bond : graph.bonds())
         bonds.push_back({bond.live() ? bond.a : 0, bond.live() ? bond.b : 0, bond.live() ? bond.area : 0.0,
                          bond.centroid, bond.normal});
     solver_ = StressSolver(nodes, bonds);
-    for (float* strength : {&material_.tensile, &material_.compressive, &material_.shear})
-        *strength *= settings.strength_scale;
 }
 
 void Wear::remove_bonds(std::span<const uint32_t> bonds) {

@@ -24,13 +24,10 @@ namespace brittle::physics {
 
 struct WearSettings {
     bool enabled = true;
-    // Factor on the material's handbook strengths. Those are of flawless samples: a model of one metre would carry a
-    // hundred times its own weight, and nothing would ever fall. At a twentieth, as with old mortar, a concrete slab
-    // over a gap of one metre just carries itself if its thickness is a sixth of the gap.
-    float strength_scale = 0.05f;
-    float speed = 8.0f;        // health per second that a bond at twice its strength loses
-    uint32_t iterations = 16;  // of the solver in one step; one costs 0.2 ms for 1000 pieces
-    float load_seconds = 0.1f; // s, time constant of the moving average of contact loads
+    float strength_scale = sustained_strength; // factor on the material's strengths
+    float speed = 8.0f;                        // health per second that a bond at twice its strength loses
+    uint32_t iterations = 16;                  // of the solver in one step; one costs 0.2 ms for 1000 pieces
+    float load_seconds = 0.1f;                 // s, time constant of the moving average of contact loads
 };
 
 class Wear {

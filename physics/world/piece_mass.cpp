@@ -23,9 +23,6 @@ using fracture::Status;
 constexpr double min_box_ratio = 1e-3;
 constexpr double min_box_extent = 1e-4;
 
-// Relative tolerance of the triangle inequality of principal moments; equals that of world_check.cpp.
-constexpr double moment_slack = 1e-3;
-
 bool finite(const glm::dvec3& v) {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }

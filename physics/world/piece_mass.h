@@ -14,6 +14,9 @@
 
 namespace brittle::physics {
 
+// Relative tolerance of "no principal moment exceeds the sum of the other two": moments are rounded to float.
+inline constexpr double moment_slack = 1e-3;
+
 struct BodyMass {
     double mass = 0.0;       // kg
     glm::dmat3 inertia{0.0}; // kg m^2, about the centre of mass

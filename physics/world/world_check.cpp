@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <span>
 
+#include "physics/world/piece_mass.h"
+
 namespace brittle::physics {
 
 namespace {
@@ -13,8 +15,6 @@ constexpr double min_moment_ratio = 1e-4;
 // What single precision can hold with products and inverses to spare: from a grain of dust to a mountain.
 constexpr float min_mass = 1e-18f, greatest_mass = 1e18f;    // kg
 constexpr double min_moment = 1e-28, greatest_moment = 1e28; // kg m^2
-// Slack for "none above the sum of the other two" when moments were rounded to float.
-constexpr double moment_slack = 1e-3;
 
 fracture::Error bad_setting(std::string message) {
     return {fracture::Status::invalid_setting, std::move(message)};
