@@ -34,7 +34,7 @@ struct Workspace::State {
 namespace {
 
 // The largest permitted coordinate, m: the inertia tensor is of degree five and would overflow beyond it.
-constexpr double largest_coordinate = 1e50;
+constexpr double max_coordinate = 1e50;
 
 constexpr uint32_t max_threads = 1024;
 
@@ -46,8 +46,7 @@ constexpr double ample_volume = 1e-6;
 
 bool in_range(const glm::dvec3& p) {
     // Comparisons with NaN are false.
-    return std::abs(p.x) <= largest_coordinate && std::abs(p.y) <= largest_coordinate
-           && std::abs(p.z) <= largest_coordinate;
+    return std::abs(p.x) <= max_coordinate && std::abs(p.y) <= max_coordinate && std::abs(p.z) <= max_coordinate;
 }
 
 Result<void> check_coordinates(std::span<const glm::dvec3> points, Status status, const char* what) {

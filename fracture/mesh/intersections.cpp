@@ -93,7 +93,7 @@ class Finder {
         : mesh_(mesh), max_pairs_(max_pairs), max_listed_(max_listed), tree_(mesh, find_axes()) {}
 
     Intersections run() {
-        if (tree_.root() != none) join(tree_.root(), tree_.root());
+        if (tree_.root() != no_index) join(tree_.root(), tree_.root());
         std::sort(result_.listed.begin(), result_.listed.end(), before);
         if (!result_.listed.empty()) result_.first = result_.listed.front();
         if (result_.listed.size() > max_listed_) result_.listed.resize(max_listed_);
@@ -101,8 +101,6 @@ class Finder {
     }
 
   private:
-    static constexpr uint32_t none = TriangleTree::none;
-
     static bool before(const glm::uvec2& a, const glm::uvec2& b) { return a.x != b.x ? a.x < b.x : a.y < b.y; }
 
     // Fills axis_. Returns the triangles with area.
@@ -125,14 +123,14 @@ class Finder {
         const TriangleTree::Node &a = tree_[x], &b = tree_[y];
         for (int k = 0; k < 3; ++k)
             if (a.max[k] < b.min[k] || b.max[k] < a.min[k]) return;
-        if (a.low == none && b.low == none) {
+        if (a.low == no_index && b.low == no_index) {
             for (uint32_t i = a.begin; i < a.end; ++i)
                 for (uint32_t j = x == y ? i + 1 : b.begin; j < b.end; ++j) look_at(tree_.order()[i], tree_.order()[j]);
         } else if (x == y) {
             join(a.low, a.low);
             join(a.high, a.high);
             join(a.low, a.high);
-        } else if (b.low == none || (a.low != none && a.end - a.begin >= b.end - b.begin)) {
+        } else if (b.low == no_index || (a.low != no_index && a.end - a.begin >= b.end - b.begin)) {
             join(a.low, y);
             join(a.high, y);
         } else {

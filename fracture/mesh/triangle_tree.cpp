@@ -65,7 +65,7 @@ uint32_t TriangleTree::build(uint32_t begin, uint32_t end) {
 
 std::optional<double> TriangleTree::first_hit(const glm::dvec3& origin, const glm::dvec3& direction,
                                               uint32_t excluded) const {
-    if (root_ == none) return std::nullopt;
+    if (root_ == no_index) return std::nullopt;
     const glm::dvec3 inverse = 1.0 / direction; // infinite along an axis with a zero component
     double nearest = infinity;
     const auto reaches = [&](const Node& node) {
@@ -84,7 +84,7 @@ std::optional<double> TriangleTree::first_hit(const glm::dvec3& origin, const gl
     while (size > 0) {
         const Node& node = nodes_[stack[--size]];
         if (!reaches(node)) continue;
-        if (node.low != none) {
+        if (node.low != no_index) {
             stack[size++] = node.low;
             stack[size++] = node.high;
             continue;

@@ -1,7 +1,7 @@
 // A bounding volume hierarchy of axis-aligned boxes over triangles, for proximity and ray queries.
 //
 //     const TriangleTree tree(mesh, triangles);
-//     const std::optional<double> t = tree.first_hit(origin, direction, TriangleTree::none); // origin + t * direction
+//     const std::optional<double> t = tree.first_hit(origin, direction, no_index); // origin + t * direction
 //
 // Several threads may query one tree.
 #pragma once
@@ -20,18 +20,16 @@ namespace brittle::fracture {
 
 class TriangleTree {
   public:
-    static constexpr uint32_t none = 0xffffffffu;
-
     struct Node {
         glm::dvec3 min, max;
-        uint32_t begin, end;              // range of order()
-        uint32_t low = none, high = none; // child nodes; none for a leaf
+        uint32_t begin, end;                      // range of order()
+        uint32_t low = no_index, high = no_index; // child nodes; no_index for a leaf
     };
 
     // Builds the tree over the given triangle indices. The mesh must outlive the tree. Time O(n log n), depth log n.
     TriangleTree(const TriangleMesh& mesh, std::vector<uint32_t> triangles);
 
-    [[nodiscard]] uint32_t root() const { return root_; } // none if there are no triangles
+    [[nodiscard]] uint32_t root() const { return root_; } // no_index if there are no triangles
     [[nodiscard]] const Node& operator[](uint32_t node) const { return nodes_[node]; }
     [[nodiscard]] const std::vector<uint32_t>& order() const { return order_; }
 
@@ -47,7 +45,7 @@ class TriangleTree {
     const TriangleMesh& mesh_;
     std::vector<uint32_t> order_;
     std::vector<Node> nodes_;
-    uint32_t root_ = none;
+    uint32_t root_ = no_index;
 };
 
 // Returns the smallest positive ray parameter at which the ray meets a triangle, by testing each of them; faster than a

@@ -7,7 +7,7 @@
 namespace brittle::fracture {
 
 CapPairs::CapPairs(const Fragments& fragments, const std::function<bool(uint32_t, uint32_t)>& selects)
-    : piece_of_(fragments.triangles.size()), across_(fragments.triangles.size(), none) {
+    : piece_of_(fragments.triangles.size()), across_(fragments.triangles.size(), no_index) {
     std::vector<Side> sides;
     for (uint32_t p = 0; p < fragments.pieces.size(); ++p) {
         const Piece& piece = fragments.pieces[p];

@@ -12,15 +12,13 @@ namespace brittle::fracture {
 
 class CapPairs {
   public:
-    static constexpr uint32_t none = 0xffffffffu;
-
     // Pairs the triangles of the caps between sites (lower, higher) for which `selects` returns true. Vertices are
     // identified by vertex_point, so the fragments must come from Algorithm::exact.
     CapPairs(const Fragments& fragments, const std::function<bool(uint32_t, uint32_t)>& selects);
 
     [[nodiscard]] uint32_t piece_of(uint32_t triangle) const { return piece_of_[triangle]; }
-    // Returns the cap triangle on the other side; none for an exterior triangle, a cap that was not selected or a cap
-    // without other side.
+    // Returns the cap triangle on the other side; no_index for an exterior triangle, a cap that was not selected or a
+    // cap without other side.
     [[nodiscard]] uint32_t across(uint32_t triangle) const { return across_[triangle]; }
 
   private:

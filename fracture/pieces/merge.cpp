@@ -20,8 +20,6 @@ namespace brittle::fracture {
 
 namespace {
 
-constexpr uint32_t none = CapPairs::none;
-
 // The fraction of a sheet's side that counts as the whole side, up to rounding.
 constexpr double whole_side = 1.0 - 1e-6;
 
@@ -50,12 +48,13 @@ class PieceSets {
     // The functions below take roots.
     [[nodiscard]] double volume(uint32_t root) const { return volume_[root]; }
     [[nodiscard]] uint32_t representative(uint32_t root) const { return representative_[root]; } // a piece of the set
-    // Returns the set with the largest contact area; none without contacts.
+    // Returns the set with the largest contact area; no_index without contacts.
     [[nodiscard]] uint32_t neighbour(uint32_t root) const {
-        uint32_t best = none;
+        uint32_t best = no_index;
         double area = 0.0;
         for (const auto& [other, contact] : contacts_[root]) {
-            if (contact > area || (contact == area && best != none && representative_[other] < representative_[best])) {
+            if (contact > area
+                || (contact == area && best != no_index && representative_[other] < representative_[best])) {
                 area = contact;
                 best = other;
             }
@@ -113,7 +112,7 @@ class MergerChoice {
         const std::span<const uint32_t> group = rules_.group_of_site;
         const CapPairs caps(fragments_, [&](uint32_t a, uint32_t b) { return group[a] == group[b]; });
         for (uint32_t t = 0; t < fragments_.triangles.size(); ++t) {
-            if (caps.across(t) == none) continue;
+            if (caps.across(t) == no_index) continue;
             const uint32_t a = sets_.root(caps.piece_of(t)), b = sets_.root(caps.piece_of(caps.across(t)));
             if (a != b) sets_.unite(a, b, std::min(sets_.representative(a), sets_.representative(b)));
         }
@@ -133,10 +132,10 @@ class MergerChoice {
                 || piece != sets_.representative(root))
                 continue; // an outdated entry
             const uint32_t other = sets_.neighbour(root);
-            if (other == none || (flat_[root] && sticks_out(root, other))) continue;
+            if (other == no_index || (flat_[root] && sticks_out(root, other))) continue;
             uint32_t united = unite(root, other, sets_.representative(other));
             // The absorbed set may have separated two pieces of a group, which are now in contact.
-            for (uint32_t mate = find_mate(united); mate != none; mate = find_mate(united))
+            for (uint32_t mate = find_mate(united); mate != no_index; mate = find_mate(united))
                 united = unite(united, mate, std::min(sets_.representative(united), sets_.representative(mate)));
             enqueue(united);
         }
@@ -166,15 +165,15 @@ class MergerChoice {
         return united;
     }
 
-    // Returns an adjacent set of the same group, or none.
+    // Returns an adjacent set of the same group, or no_index.
     [[nodiscard]] uint32_t find_mate(uint32_t root) const {
-        if (rules_.group_of_site.empty()) return none;
+        if (rules_.group_of_site.empty()) return no_index;
         const auto group = [&](uint32_t r) {
             return rules_.group_of_site[fragments_.pieces[sets_.representative(r)].site];
         };
         for (const auto& [other, contact] : sets_.contacts(root))
             if (group(other) == group(root)) return other;
-        return none;
+        return no_index;
     }
 
     [[nodiscard]] Box box_of(uint32_t root) {
@@ -238,7 +237,7 @@ std::vector<Bond> merge_bonds(std::span<const Bond> bonds, std::span<const uint3
     std::map<std::pair<uint32_t, uint32_t>, Bond> merged;
     for (const Bond& bond : bonds) {
         const uint32_t a = new_index[bond.a], b = new_index[bond.b];
-        if (a == b || a == none || b == none) continue;
+        if (a == b || a == no_index || b == no_index) continue;
         Bond& sum = merged.try_emplace(std::minmax(a, b), Bond{std::min(a, b), std::max(a, b)}).first->second;
         sum.area += bond.area;
         sum.centroid += bond.area * bond.centroid;
@@ -300,7 +299,7 @@ void merge_pieces(Fragments& fragments, std::span<const uint32_t> representative
         const Range& triangles = fragments.pieces[p].triangles;
         for (uint32_t t = triangles.begin + fragments.pieces[p].exterior_triangles; t < triangles.end; ++t) {
             const uint32_t across = caps.across(t);
-            if (across != none && representative[caps.piece_of(across)] != caps.piece_of(across)) return false;
+            if (across != no_index && representative[caps.piece_of(across)] != caps.piece_of(across)) return false;
         }
         return true;
     };
@@ -328,7 +327,7 @@ void merge_pieces(Fragments& fragments, std::span<const uint32_t> representative
         }
     });
     Fragments merged;
-    std::vector<uint32_t> new_index(count, none);
+    std::vector<uint32_t> new_index(count, no_index);
     auto set = sets.begin();
     for (uint32_t p = 0; p < count; ++p) {
         if (members[p].empty()) continue;

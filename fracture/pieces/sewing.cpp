@@ -17,7 +17,6 @@ namespace brittle::fracture {
 
 namespace {
 
-constexpr uint32_t none = CapPairs::none;
 constexpr uint32_t first_cut_point = 1u << 30; // see Fragments::vertex_point
 
 double distance2_to_triangle(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
@@ -40,14 +39,14 @@ double distance2_to_triangle(const glm::dvec3& p, const glm::dvec3& a, const glm
     return std::min({to_segment(a, b), to_segment(b, c), to_segment(c, a)});
 }
 
-// Returns the input triangle of a sheet that is nearest to a triangle of its neighbour; none if the sheet has no
+// Returns the input triangle of a sheet that is nearest to a triangle of its neighbour; no_index if the sheet has no
 // exterior triangle.
 uint32_t nearest_source(const Fragments& fragments, const Piece& of, uint32_t t, const Piece& sheet) {
     const Triangle& c = fragments.triangles[t];
     const auto own = fragments.positions_of(of);
     const glm::dvec3 centre = (own[c.x] + own[c.y] + own[c.z]) / 3.0;
     const auto positions = fragments.positions_of(sheet);
-    uint32_t nearest = none;
+    uint32_t nearest = no_index;
     double least = std::numeric_limits<double>::infinity();
     for (uint32_t s = sheet.triangles.begin; s < sheet.triangles.begin + sheet.exterior_triangles; ++s) {
         const Triangle& e = fragments.triangles[s];
@@ -83,7 +82,7 @@ class Sewing {
         Piece piece;
         piece.vertices.begin = static_cast<uint32_t>(out.positions.size());
         piece.triangles.begin = static_cast<uint32_t>(out.triangles.size());
-        local_.assign(triangles_.size() * 6, none);
+        local_.assign(triangles_.size() * 6, no_index);
         const auto emit = [&](const std::array<Corner, 3>& corners, uint32_t source) {
             glm::uvec3 t;
             for (int k = 0; k < 3; ++k) t[k] = vertex(corners[static_cast<size_t>(k)].h, piece, out);
@@ -134,7 +133,7 @@ class Sewing {
                       t,
                       fragments_.triangle_source[t],
                       t < piece.triangles.begin + piece.exterior_triangles};
-            if (const uint32_t across = caps_.across(t); across != none) find_source(piece, across, part);
+            if (const uint32_t across = caps_.across(t); across != no_index) find_source(piece, across, part);
             triangles_.push_back(part);
         }
         // The twin of a half-edge is one of the half-edges that leave its target vertex.
@@ -146,13 +145,13 @@ class Sewing {
         for (uint32_t v = 2; v < vertices + 2; ++v) leaving_begin_[v] += leaving_begin_[v - 1];
         leaving_.resize(end - begin);
         for (uint32_t h = begin; h < end; ++h) leaving_[leaving_begin_[local(h) + 1]++] = h;
-        twin_.resize(end, none);
+        twin_.resize(end, no_index);
         for (uint32_t h = begin; h < end; ++h) {
-            if (twin_[h] != none) continue;
+            if (twin_[h] != no_index) continue;
             const uint32_t to = local(after(h));
             for (uint32_t k = leaving_begin_[to]; k < leaving_begin_[to + 1]; ++k) {
                 const uint32_t g = leaving_[k];
-                if (from(after(g)) != from(h) || twin_[g] != none) continue;
+                if (from(after(g)) != from(h) || twin_[g] != no_index) continue;
                 twin_[h] = g;
                 twin_[g] = h;
                 break;
@@ -168,16 +167,16 @@ class Sewing {
             return;
         }
         const uint32_t source = nearest_source(fragments_, piece, part.triangle, fragments_.pieces[beyond]);
-        if (source == none) return;
+        if (source == no_index) return;
         part.source = source;
         part.exterior = part.was_cap = true;
     }
 
     void remove_caps(std::span<const uint32_t> pieces) {
-        partner_.assign(triangles_.size(), none);
+        partner_.assign(triangles_.size(), no_index);
         for (uint32_t t = 0; t < triangles_.size(); ++t) {
             const uint32_t across = caps_.across(triangles_[t].triangle);
-            if (across == none) continue;
+            if (across == no_index) continue;
             const auto beyond = std::lower_bound(pieces.begin(), pieces.end(), caps_.piece_of(across));
             if (beyond == pieces.end() || *beyond != caps_.piece_of(across)) continue;
             const uint32_t first = first_triangle_[static_cast<size_t>(beyond - pieces.begin())];
@@ -191,11 +190,11 @@ class Sewing {
         const uint32_t other = partner_[h / 3];
         for (uint32_t g = 3 * other; g < 3 * other + 3; ++g)
             if (point(g) == point(after(h))) return g;
-        return none; // unreachable: both sides have equal points
+        return no_index; // unreachable: both sides have equal points
     }
 
     void sew() {
-        sewn_.assign(twin_.size(), none);
+        sewn_.assign(twin_.size(), no_index);
         for (uint32_t h = 0; h < twin_.size(); ++h) {
             if (triangles_[h / 3].removed) continue;
             uint32_t g = twin_[h];
@@ -209,7 +208,7 @@ class Sewing {
         vertex_of_.resize(twin_.size());
         std::iota(vertex_of_.begin(), vertex_of_.end(), 0u);
         for (uint32_t h = 0; h < twin_.size(); ++h) {
-            if (sewn_[h] == none) continue;
+            if (sewn_[h] == no_index) continue;
             const uint32_t a = root_of(vertex_of_, h), b = root_of(vertex_of_, after(sewn_[h]));
             vertex_of_[std::max(a, b)] = std::min(a, b);
         }
@@ -220,7 +219,7 @@ class Sewing {
         const bool middle = h >= half_edges;
         const uint32_t edge = middle ? std::min(h - half_edges, sewn_[h - half_edges]) : h;
         uint32_t& local = local_[middle ? half_edges + edge : root_of(vertex_of_, h)];
-        if (local == none) {
+        if (local == no_index) {
             local = static_cast<uint32_t>(out.positions.size()) - piece.vertices.begin;
             const glm::dvec3& here = fragments_.positions[from(edge)];
             out.positions.push_back(middle ? 0.5 * (here + fragments_.positions[from(after(edge))]) : here);
@@ -233,11 +232,11 @@ class Sewing {
     void for_each_triangle(bool exterior, const Emit& emit) {
         for (uint32_t t = 0; t < triangles_.size(); ++t) {
             const Part& part = triangles_[t];
-            if (part.removed || part.exterior != exterior || patch_of(t) != none) continue;
+            if (part.removed || part.exterior != exterior || patch_of(t) != no_index) continue;
             polygon_.clear();
             for (uint32_t h = 3 * t; h < 3 * t + 3; ++h) {
                 polygon_.push_back({h, true});
-                if (!middle_.empty() && middle_[std::min(h, sewn_[h])] != none)
+                if (!middle_.empty() && middle_[std::min(h, sewn_[h])] != no_index)
                     polygon_.push_back({static_cast<uint32_t>(twin_.size()) + h, false});
             }
             triangulate(part.source, emit);
@@ -287,23 +286,23 @@ class Sewing {
         };
         std::vector<Edge> edges;
         for (uint32_t h = 0; h < twin_.size(); ++h) {
-            if (sewn_[h] == none) continue;
+            if (sewn_[h] == no_index) continue;
             const uint32_t a = root_of(vertex_of_, h), b = root_of(vertex_of_, after(h));
             if (a < b) edges.push_back({a, b, triangles_[h / 3].exterior && triangles_[sewn_[h] / 3].exterior, h});
         }
         std::sort(edges.begin(), edges.end(), [](const Edge& x, const Edge& y) {
             return std::tie(x.from, x.to, x.exterior, x.h) < std::tie(y.from, y.to, y.exterior, y.h);
         });
-        middle_.assign(twin_.size(), none);
+        middle_.assign(twin_.size(), no_index);
         for (size_t k = 1; k < edges.size(); ++k) {
             if (edges[k].from != edges[k - 1].from || edges[k].to != edges[k - 1].to) continue;
             middle_[std::min(edges[k].h, sewn_[edges[k].h])] = next_point++;
         }
     }
 
-    // Returns the patch that replaces this triangle by a whole input triangle; none if the triangle remains a part.
+    // Returns the patch that replaces this triangle by a whole input triangle; no_index if the triangle remains a part.
     [[nodiscard]] uint32_t patch_of(uint32_t t) const {
-        return patch_of_[t] != none && patches_[patch_of_[t]].whole ? patch_of_[t] : none;
+        return patch_of_[t] != no_index && patches_[patch_of_[t]].whole ? patch_of_[t] : no_index;
     }
 
     void find_whole_sources() {
@@ -314,7 +313,7 @@ class Sewing {
         std::sort(parts_.begin(), parts_.end(), [&](uint32_t x, uint32_t y) {
             return std::tie(triangles_[x].source, x) < std::tie(triangles_[y].source, y);
         });
-        patch_of_.assign(triangles_.size(), none);
+        patch_of_.assign(triangles_.size(), no_index);
         const auto count = static_cast<uint32_t>(parts_.size());
         for (uint32_t begin = 0, end = 0; begin < count; begin = end) {
             const uint32_t source = triangles_[parts_[begin]].source;
@@ -333,16 +332,16 @@ class Sewing {
 
     // Returns whether the parts form a disc with the three corners of the input triangle on its rim.
     bool walk_rim(Patch& patch) {
-        uint32_t rims = 0, first = none;
+        uint32_t rims = 0, first = no_index;
         for (uint32_t k = patch.parts_begin; k < patch.parts_end; ++k) {
             for (uint32_t h = 3 * parts_[k]; h < 3 * parts_[k] + 3; ++h) {
                 if (!is_rim(h)) continue;
                 ++rims;
-                if (first == none) first = h;
+                if (first == no_index) first = h;
             }
         }
         patch.rim_begin = patch.rim_end = static_cast<uint32_t>(rims_.size());
-        if (first == none) return false;
+        if (first == no_index) return false;
         uint32_t corners = 0;
         uint32_t h = first;
         do {
@@ -362,7 +361,7 @@ class Sewing {
         uint32_t kept = 0, before = whole_beyond(rim.back());
         for (const uint32_t h : rim) {
             const uint32_t beyond = whole_beyond(h);
-            const bool needed = point(h) < first_cut_point || beyond == none || beyond != before;
+            const bool needed = point(h) < first_cut_point || beyond == no_index || beyond != before;
             before = beyond;
             if (needed) rim[kept++] = h;
         }

@@ -21,13 +21,13 @@ void EdgeFlips::run(std::span<const Node> nodes, RingTriangles& triangles, EdgeS
     const std::vector<uint32_t>& twin = triangles.twin;
     stack_.clear();
     for (uint32_t h = 0; h < twin.size(); ++h) {
-        if (twin[h] != none && h < twin[h]) stack_.push_back(h);
+        if (twin[h] != no_index && h < twin[h]) stack_.push_back(h);
     }
     size_t flips_left = max_flips_per_triangle * triangles.corners.size();
     while (!stack_.empty() && flips_left > 0) {
         const uint32_t h = stack_.back();
         stack_.pop_back();
-        if (twin[h] == none) continue;
+        if (twin[h] == no_index) continue;
         const Quad q = quad_at(triangles, h);
         if (!should_flip(nodes, q, edges)) continue;
         --flips_left;
@@ -61,13 +61,13 @@ bool EdgeFlips::flip(RingTriangles& triangles, uint32_t h, const Quad& q) {
     const uint32_t across_ad = twin[next(g)], across_db = twin[next(next(g))];
     const uint32_t s = h / 3, t = g / 3;
     for (const uint32_t across : {across_bc, across_ca, across_ad, across_db}) {
-        if (across != none && (across / 3 == s || across / 3 == t)) return false;
+        if (across != no_index && (across / 3 == s || across / 3 == t)) return false;
     }
     triangles.corners[s] = {q.a, q.d, q.c};
     triangles.corners[t] = {q.d, q.b, q.c};
     const auto join = [&](uint32_t e, uint32_t across) {
         twin[e] = across;
-        if (across == none) return;
+        if (across == no_index) return;
         twin[across] = e;
         stack_.push_back(e);
     };

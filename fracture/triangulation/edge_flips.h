@@ -14,7 +14,7 @@ namespace brittle::fracture::triangulation {
 // The triangles of one ring. Half-edge 3 t + k runs from corner k of triangle t to the next corner.
 struct RingTriangles {
     std::vector<Triangle> corners; // node indices
-    std::vector<uint32_t> twin;    // per half-edge: its twin, or none
+    std::vector<uint32_t> twin;    // per half-edge: its twin, or no_index
 
     void clear() {
         corners.clear();

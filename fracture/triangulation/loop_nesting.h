@@ -6,7 +6,6 @@
 #include <cassert>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <numeric>
 #include <span>
 #include <utility>
@@ -19,8 +18,6 @@
 #include "fracture/triangulation/triangulate.h"
 
 namespace brittle::fracture::triangulation {
-
-constexpr uint32_t none = std::numeric_limits<uint32_t>::max();
 
 inline bool lexicographically_less(const glm::dvec2& a, const glm::dvec2& b) {
     return a.x < b.x || (a.x == b.x && a.y < b.y);
@@ -35,7 +32,7 @@ struct LoopInfo {
     std::vector<uint32_t> ids;
     double area = 0.0; // twice the signed area
     glm::dvec2 low{0.0}, high{0.0};
-    uint32_t hole_of = none; // the outer loop to which this hole is bridged; none for an outer loop
+    uint32_t hole_of = no_index; // the outer loop to which this hole is bridged; no_index for an outer loop
 };
 
 enum class Side { outside, boundary, inside };
@@ -45,7 +42,7 @@ class Nesting {
     void run(std::span<const glm::dvec2> points, std::span<const Loop> loops) {
         points_ = points;
         count_ = 0;
-        if (position_.size() < points.size()) position_.resize(points.size(), none);
+        if (position_.size() < points.size()) position_.resize(points.size(), no_index);
         for (const Loop& loop : loops) {
             assert(loop.size() >= 3);
             split(loop);
@@ -63,17 +60,17 @@ class Nesting {
         path_.clear(); // position_ is the inverse of path_ and has no other entries
         for (const uint32_t id : loop) {
             const uint32_t at = position_[id];
-            if (at == none) {
+            if (at == no_index) {
                 position_[id] = static_cast<uint32_t>(path_.size());
                 path_.push_back(id);
                 continue;
             }
             keep(std::span(path_).subspan(at));
-            for (size_t k = at + 1; k < path_.size(); ++k) position_[path_[k]] = none;
+            for (size_t k = at + 1; k < path_.size(); ++k) position_[path_[k]] = no_index;
             path_.resize(at + 1);
         }
         keep(path_);
-        for (const uint32_t id : path_) position_[id] = none;
+        for (const uint32_t id : path_) position_[id] = no_index;
     }
 
     void keep(std::span<const uint32_t> ids) {
@@ -82,7 +79,7 @@ class Nesting {
         LoopInfo& info = loops_[count_++];
         info.ids.assign(ids.begin(), ids.end());
         info.area = 0.0;
-        info.hole_of = none;
+        info.hole_of = no_index;
     }
 
     void measure(LoopInfo& loop) const {
@@ -110,18 +107,18 @@ class Nesting {
             const double area_a = std::abs(loops_[a].area), area_b = std::abs(loops_[b].area);
             return area_a > area_b || (area_a == area_b && a < b);
         });
-        innermost_open_.assign(count_, none);
-        open_around_.assign(count_, none);
+        innermost_open_.assign(count_, no_index);
+        open_around_.assign(count_, no_index);
         for (size_t k = 0; k < order_.size(); ++k) {
             LoopInfo& loop = loops_[order_[k]];
             if (loop.area == 0.0) break; // the remaining loops bound no area: each is an outer loop
-            uint32_t top = none;
+            uint32_t top = no_index;
             for (size_t j = k; j-- > 0;) {
                 if (!contains(loops_[order_[j]], loop)) continue;
                 top = innermost_open_[order_[j]];
                 break;
             }
-            if (top != none && (loops_[top].area > 0.0) != (loop.area > 0.0)) {
+            if (top != no_index && (loops_[top].area > 0.0) != (loop.area > 0.0)) {
                 loop.hole_of = top;
                 innermost_open_[order_[k]] = open_around_[top];
             } else {
@@ -169,7 +166,7 @@ class Nesting {
     std::vector<LoopInfo> loops_; // the first count_ entries are in use
     size_t count_ = 0;
     std::vector<uint32_t> path_;
-    std::vector<uint32_t> position_;       // per point: its index in path_, or none
+    std::vector<uint32_t> position_;       // per point: its index in path_, or no_index
     std::vector<uint32_t> order_;          // loops by descending area
     std::vector<uint32_t> innermost_open_; // per loop: the innermost open loop around its direct interior
     std::vector<uint32_t> open_around_;    // per opening loop: the next open loop outwards

@@ -45,7 +45,7 @@ void Ring::start(std::span<const glm::dvec2> points, EdgeSet* edges) {
     points_ = points;
     edges_ = edges;
     nodes_.clear();
-    start_ = none;
+    start_ = no_index;
     count_ = 0;
     reversed_ = false;
     queue_.clear();
@@ -204,7 +204,7 @@ void Ring::bridge(uint32_t m, uint32_t q) {
     nodes_[m].prev = q;
     const auto token = bridge_bit | static_cast<uint32_t>(bridge_half_edge_.size());
     nodes_[q].outer = nodes_[m2].outer = token;
-    bridge_half_edge_.push_back(none);
+    bridge_half_edge_.push_back(no_index);
     if (edges_) edges_->insert(nodes_[m].id, nodes_[q].id);
     count_ += 2;
 }
@@ -213,19 +213,19 @@ void Ring::bridge(uint32_t m, uint32_t q) {
 
 // Links half-edge h with the half-edge, or with the bridge, on its other side.
 void Ring::link(uint32_t h, uint32_t across) {
-    if (across != none && (across & bridge_bit) != 0) {
+    if (across != no_index && (across & bridge_bit) != 0) {
         uint32_t& first = bridge_half_edge_[across & ~bridge_bit];
         across = std::exchange(first, h);
     }
     triangles_.twin[h] = across;
-    if (across != none) triangles_.twin[across] = h;
+    if (across != no_index) triangles_.twin[across] = h;
 }
 
 // Adds the triangle of three consecutive nodes whose three edges are all edges of the ring.
 void Ring::add_triangle(uint32_t a, uint32_t b, uint32_t c) {
     const auto h = static_cast<uint32_t>(triangles_.twin.size());
     triangles_.corners.emplace_back(a, b, c);
-    triangles_.twin.resize(triangles_.twin.size() + 3, none);
+    triangles_.twin.resize(triangles_.twin.size() + 3, no_index);
     link(h, nodes_[a].outer);
     link(h + 1, nodes_[b].outer);
     link(h + 2, nodes_[c].outer);
@@ -236,7 +236,7 @@ void Ring::cut(uint32_t t) {
     const uint32_t p = nodes_[t].prev, n = nodes_[t].next;
     const auto h = static_cast<uint32_t>(triangles_.twin.size());
     triangles_.corners.emplace_back(p, t, n);
-    triangles_.twin.resize(triangles_.twin.size() + 3, none);
+    triangles_.twin.resize(triangles_.twin.size() + 3, no_index);
     link(h, nodes_[p].outer);
     link(h + 1, nodes_[t].outer);
     nodes_[p].outer = h + 2;
@@ -326,14 +326,14 @@ bool Ring::is_ear(uint32_t t) {
         if (x == a || x == b || x == c) return false;
         return orientation(a, b, x) >= 0.0 && orientation(b, c, x) >= 0.0 && orientation(c, a, x) >= 0.0;
     });
-    if (blocker == none) return true;
+    if (blocker == no_index) return true;
     waits_.push_back({t, nodes_[blocker].waiting});
     nodes_[blocker].waiting = static_cast<uint32_t>(waits_.size() - 1);
     return false;
 }
 
 void Ring::release_waiting(uint32_t blocker) {
-    for (uint32_t w = std::exchange(nodes_[blocker].waiting, none); w != none; w = waits_[w].next) {
+    for (uint32_t w = std::exchange(nodes_[blocker].waiting, no_index); w != no_index; w = waits_[w].next) {
         const Node& node = nodes_[waits_[w].node];
         if (!node.cut && !node.reflex) push(waits_[w].node);
     }
@@ -370,7 +370,7 @@ void Ring::update(uint32_t i) {
 // takes over the successor of g.
 void Ring::close_off_around(uint32_t t) {
     const uint32_t p = nodes_[t].prev, n = nodes_[t].next;
-    uint32_t f = none;
+    uint32_t f = no_index;
     if (nodes_[nodes_[p].prev].id == nodes_[n].id) {
         f = nodes_[p].prev;
     } else if (nodes_[nodes_[n].next].id == nodes_[p].id) {
@@ -394,7 +394,7 @@ void Ring::close_off_around(uint32_t t) {
 // and among them those whose tip lies between its neighbours). Neighbours with equal ids are cut only as a last resort.
 uint32_t Ring::min_bad_ear() const {
     using Badness = std::tuple<int, bool, double, bool>;
-    uint32_t best = none;
+    uint32_t best = no_index;
     Badness least;
     uint32_t i = start_;
     for (uint32_t k = 0; k < std::min(count_, forced_window); ++k, i = nodes_[i].next) {
@@ -405,7 +405,7 @@ uint32_t Ring::min_bad_ear() const {
         const int clash = p.id == n.id ? 2 : may_join(p, n) ? 0 : 1;
         const double size = std::isfinite(turn) ? std::abs(turn) : std::numeric_limits<double>::max();
         const Badness badness{clash, turn<0.0, size, dot(p.p - t.p, n.p - t.p)> 0.0};
-        if (best == none || badness < least) {
+        if (best == no_index || badness < least) {
             best = i;
             least = badness;
         }

@@ -71,7 +71,7 @@ class Ring {
     std::vector<Node> nodes_;
     std::vector<uint32_t> tips_;                          // per hole: its lexicographically largest node
     std::vector<std::pair<double, uint32_t>> candidates_; // bridge candidates: squared distance and node
-    uint32_t start_ = none;                               // any node of the ring
+    uint32_t start_ = no_index;                           // any node of the ring
     uint32_t count_ = 0; // count of nodes in the ring, including holes that are not bridged yet
     bool reversed_ = false;
 

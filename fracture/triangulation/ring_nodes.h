@@ -60,11 +60,11 @@ class EdgeSet {
 struct Node {
     glm::dvec2 p{0.0};
     uint32_t id = 0;
-    uint32_t prev = none;
-    uint32_t next = none;
-    uint32_t outer = none;   // the other side of the edge to next: none, a half-edge of a triangle, or a bridge
-    uint32_t waiting = none; // head of the list of nodes whose ear this node blocks
-    bool reflex = false;     // whether the interior angle is 180 degrees or more
+    uint32_t prev = no_index;
+    uint32_t next = no_index;
+    uint32_t outer = no_index;   // the other side of the edge to next: no_index, a half-edge of a triangle, or a bridge
+    uint32_t waiting = no_index; // head of the list of nodes whose ear this node blocks
+    bool reflex = false;         // whether the interior angle is 180 degrees or more
     bool queued = false;
     bool cut = false;
 };
@@ -110,7 +110,7 @@ class ReflexGrid {
     }
     [[nodiscard]] bool is_stale() const { return (built_ >= 48 && live_ * 2 < built_) || late_.size() > 64; }
 
-    // Returns the first reflex node in the box for which accept() is true, or none.
+    // Returns the first reflex node in the box for which accept() is true, or no_index.
     template<class Accept>
     uint32_t find(const glm::dvec2& low, const glm::dvec2& high, Accept&& accept) const {
         for (const uint32_t i : late_) {
@@ -124,7 +124,7 @@ class ReflexGrid {
                 if (accept(sorted_[k])) return sorted_[k];
             }
         }
-        return none;
+        return no_index;
     }
 
   private:

@@ -14,7 +14,7 @@ namespace {
 using namespace triangulation;
 
 bool has_hole(std::span<const LoopInfo> loops) {
-    return std::any_of(loops.begin(), loops.end(), [](const LoopInfo& loop) { return loop.hole_of != none; });
+    return std::any_of(loops.begin(), loops.end(), [](const LoopInfo& loop) { return loop.hole_of != no_index; });
 }
 
 } // namespace
@@ -66,7 +66,7 @@ const Triangulation& Triangulator::run(std::span<const glm::dvec2> points, std::
         }
     }
     for (uint32_t i = 0; i < parts.size(); ++i) {
-        if (parts[i].hole_of != none) continue;
+        if (parts[i].hole_of != no_index) continue;
         s.ring.start(points, repeated ? &s.edges : nullptr);
         s.ring.set_outer(parts[i]);
         if (holes) s.ring.bridge_holes(parts, i);
