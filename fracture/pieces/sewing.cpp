@@ -11,6 +11,7 @@
 #include <glm/geometric.hpp>
 
 #include "fracture/base/union_find.h"
+#include "fracture/mesh/nearest.h"
 #include "fracture/pieces/merge.h"
 
 namespace brittle::fracture {
@@ -18,26 +19,6 @@ namespace brittle::fracture {
 namespace {
 
 constexpr uint32_t first_cut_point = 1u << 30; // see Fragments::vertex_point
-
-double distance2_to_triangle(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
-    const auto to_segment = [&](const glm::dvec3& from, const glm::dvec3& to) {
-        const glm::dvec3 d = to - from;
-        const double length2 = glm::dot(d, d);
-        const double t = length2 > 0.0 ? std::clamp(glm::dot(p - from, d) / length2, 0.0, 1.0) : 0.0;
-        const glm::dvec3 off = p - from - t * d;
-        return glm::dot(off, off);
-    };
-    const glm::dvec3 normal = glm::cross(b - a, c - a);
-    const double normal2 = glm::dot(normal, normal);
-    const auto inside = [&](const glm::dvec3& from, const glm::dvec3& to) {
-        return glm::dot(glm::cross(to - from, p - from), normal) >= 0.0;
-    };
-    if (normal2 > 0.0 && inside(a, b) && inside(b, c) && inside(c, a)) {
-        const double off = glm::dot(p - a, normal);
-        return off * off / normal2;
-    }
-    return std::min({to_segment(a, b), to_segment(b, c), to_segment(c, a)});
-}
 
 // Returns the input triangle of a sheet that is nearest to a triangle of its neighbour; no_index if the sheet has no
 // exterior triangle.
@@ -50,9 +31,10 @@ uint32_t nearest_source(const Fragments& fragments, const Piece& of, uint32_t t,
     double least = std::numeric_limits<double>::infinity();
     for (uint32_t s = sheet.triangles.begin; s < sheet.triangles.begin + sheet.exterior_triangles; ++s) {
         const Triangle& e = fragments.triangles[s];
-        const double distance2 = distance2_to_triangle(centre, positions[e.x], positions[e.y], positions[e.z]);
-        if (distance2 >= least) continue;
-        least = distance2;
+        const glm::dvec3 off = centre - nearest_on_triangle(centre, positions[e.x], positions[e.y], positions[e.z]);
+        const double square = glm::dot(off, off);
+        if (square >= least) continue;
+        least = square;
         nearest = fragments.triangle_source[s];
     }
     return nearest;

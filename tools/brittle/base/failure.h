@@ -7,6 +7,7 @@
 
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 
 #include "engine/core/result.h"
 #include "fracture/base/error.h"

@@ -115,7 +115,7 @@ void Stage::stand(const fracture::Fragments& fragments, const WorldOptions& worl
     radii_ = std::move(ahead.radii);
     untinted_ = starts_whole(world);
     max_pieces_ = world.piece_limit;
-    told_.reset();
+    passed_watch_.reset();
     take_events();
 }
 
@@ -123,7 +123,7 @@ void Stage::shoot(const Shot& shot) {
     if (broken()) simulation_.apply(Shoot{shot.from, shot.velocity, shot.radius, shot.density});
 }
 
-// Replaces everything that was drawn, and starts a new run.
+// Replaces all drawn geometry, and starts a new run.
 void Stage::draw_anew(engine::PieceBatch batch) {
     alpha_ = 1.0f;
     drawn_.clear();
@@ -147,8 +147,8 @@ glm::vec3 Stage::tint_of(const physics::PieceAdded& added, std::span<const physi
     return added.depth == 0 && untinted_ ? glm::vec3(1.0f) : engine::piece_tint(added.id.value);
 }
 
-// Draws the pieces that appeared and disappeared since the last call. Removal comes first, because slots are used
-// again.
+// Draws the pieces that appeared, and removes the pieces that disappeared, since the last call. Removal comes first,
+// because new pieces reuse slots.
 void Stage::take_events() {
     physics::DestructionEvents events = simulation_.take_events();
     std::vector<engine::PieceHandle> gone;
@@ -179,22 +179,22 @@ void Stage::watch(const engine::Camera& camera, float aspect) {
     watch_ = {.eye = camera.eye, .target = camera.target, .fov = double{camera.vertical_fov}, .aspect = double{aspect}};
 }
 
-// Passes the view to the simulation, in a breakable world only, because only there debris is removed. An exploded view
-// is converted: the camera sees pieces as if nearer to the middle of the unexploded ones.
-void Stage::tell_watch() {
+// Passes the view to a breakable simulation, where it decides which debris is removed. The view of exploded pieces is
+// converted into the equivalent view of the pieces in place.
+void Stage::pass_view() {
     if (!watch_ || !simulation_.destruction()) return;
     const glm::dvec3 centre(home_.centre());
     const double apart = 1.0 + double{explode_};
     Watch now = *watch_;
     for (glm::dvec3* at : {&now.eye, &now.target}) *at = centre + (*at - centre) / apart;
-    if (now == told_ || !fault_of(now, 0).empty()) return;
+    if (now == passed_watch_ || !fault_of(now, 0).empty()) return;
     simulation_.apply(now);
-    told_ = now;
+    passed_watch_ = now;
 }
 
 void Stage::advance(double seconds) {
     if (!broken()) return;
-    tell_watch();
+    pass_view();
     alpha_ = simulation_.advance(seconds);
     take_events();
     // A body that falls asleep reaches its last pose one step later.
@@ -260,8 +260,7 @@ engine::Scene Stage::scene() {
     }
     shown_spheres_ = spheres_;
     for (const Simulation::Ball& ball : simulation_.balls()) {
-        const glm::vec3 before = world().previous_pose(ball.body).position, now = world().pose(ball.body).position;
-        shown_spheres_.push_back({before + alpha_ * (now - before), ball.radius});
+        shown_spheres_.push_back({world().interpolated_pose(ball.body, alpha_).position, ball.radius});
     }
     scene.spheres = shown_spheres_;
     scene.spheres_on_top = simulation_.balls().empty();

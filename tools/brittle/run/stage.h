@@ -79,9 +79,9 @@ class Stage {
 
     // Draws sites as red spheres through the pieces. An empty span removes them.
     void show_sites(std::span<const glm::dvec3> sites);
-    // Draws the pieces apart, by this share of their distance from the middle.
+    // Moves the drawn pieces apart, by this share of their distance from the middle of home_bounds().
     void explode(float share);
-    // Drawn through the pieces.
+    // Draws lines through the pieces.
     void show_lines(std::vector<engine::LineVertex> lines) { own_lines_ = std::move(lines); }
     void show_hulls(bool show) { hulls_ = show; } // collision hulls as red lines
 
@@ -100,7 +100,7 @@ class Stage {
   private:
     void draw_anew(engine::PieceBatch batch);
     void take_events();
-    void tell_watch();
+    void pass_view();
     [[nodiscard]] glm::vec3 tint_of(const physics::PieceAdded& added, std::span<const physics::PieceAdded> all,
                                     const std::map<physics::PieceId, glm::vec3>& before) const;
     void place(engine::Scene& scene);
@@ -122,7 +122,7 @@ class Stage {
     std::vector<physics::DebugLine> debug_lines_;
     std::vector<engine::LineVertex> own_lines_, lines_;
     std::vector<engine::Sphere> spheres_, shown_spheres_; // the sites; sites and balls
-    std::optional<Watch> watch_, told_; // the view set by watch(); the view that the simulation has in this run
+    std::optional<Watch> watch_, passed_watch_; // the view set by watch(), and the last view passed in this run
     float alpha_ = 1.0f;
     float explode_ = 0.0f;
     bool hulls_ = false;
