@@ -179,8 +179,8 @@ void Structure::split(World& world) {
 // Projected Gauss-Seidel, inelastic and without friction: the cracks took the energy of a bounce. Each impulse reduces
 // the kinetic energy that the bodies had before the contacts, so energy cannot rise.
 void Structure::solve_rewound(World& world, std::span<const RewoundContact> rewound) const {
-    // The bonds were tested with the impulse `blow`, so a contact between pieces or movable bodies transmits no more now.
-    // The rest arrives as a blow in the next step and may break more bonds.
+    // The bonds were tested with the impulse `blow`, so a contact between pieces or movable bodies transmits no more
+    // now. The rest arrives as a blow in the next step and may break more bonds.
     const auto max_impulse = [&](const RewoundContact& contact) {
         const auto is_limited = [&](uint32_t piece, BodyId body) { return piece != none || is_movable(world, body); };
         return is_limited(contact.piece_a, contact.original.a) && is_limited(contact.piece_b, contact.original.b)

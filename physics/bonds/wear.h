@@ -40,8 +40,8 @@ class Wear {
     void release(std::span<const uint32_t> nodes);
 
     // Advances by one step of `seconds`. weights: by piece, the weight of pieces in fixed bodies, zero for others.
-    // contact_loads: by piece, the loads of this step's contacts; the average of a contact that ended decays. Overloaded
-    // bonds of the graph lose health.
+    // contact_loads: by piece, the loads of this step's contacts; the average of a contact that ended decays.
+    // Overloaded bonds of the graph lose health.
     void step(BondGraph& graph, std::span<const NodeLoad> weights, std::span<const NodeLoad> contact_loads,
               double seconds);
 

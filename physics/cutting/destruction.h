@@ -4,7 +4,8 @@
 //     Result<ObjectId> statue = destruction.add(world, mesh, {.solid = {.material = stone}});
 //     each step:  world.step();  destruction.update(world);
 //     each frame: DestructionEvents events = destruction.take_events();   // removed pieces first, then added ones
-//                 destruction.visit_poses(world, alpha, 0, [&](uint32_t slot, const Pose& pose) { poses[slot] = pose; });
+//                 destruction.visit_poses(world, alpha, 0,
+//                                         [&](uint32_t slot, const Pose& pose) { poses[slot] = pose; });
 //
 // An object starts whole, as one closed mesh and one body, or as a Structure of bonded pieces. A piece is one closed
 // mesh with mass, collision hulls and a PieceId (solid_piece.h). Its body is its own, or in a structure the body of its
@@ -208,8 +209,8 @@ class Destruction {
     // hold it.
     void set_view(std::function<bool(const glm::vec3&, float)> visible) { visible_ = std::move(visible); }
 
-    // Calls visit for each piece in the order of PieceId, with its slot and the interpolated pose of its centre of mass, in
-    // the axes of the object. Pieces of bodies with World::last_moved_step() < since are skipped.
+    // Calls visit for each piece in the order of PieceId, with its slot and the interpolated pose of its centre of
+    // mass, in the axes of the object. Pieces of bodies with World::last_moved_step() < since are skipped.
     using PoseVisitor = std::function<void(uint32_t slot, const Pose& pose)>;
     void visit_poses(const World& world, float alpha, uint64_t since, const PoseVisitor& visit) const;
     [[nodiscard]] uint32_t slot_count() const { return slot_count_; } // all slots are below this

@@ -13,10 +13,10 @@ namespace brittle::physics {
 
 namespace {
 
-// 1 + x is 1 below: the air changes no bit.
+// Below this, 1 + x rounds to 1 and drag changes no bit.
 constexpr float nothing = 5e-8f;
 
-constexpr size_t group_size = 12; // floats of four sides
+constexpr size_t group_size = 12; // floats in a group of four sides
 
 } // namespace
 
@@ -25,7 +25,7 @@ AirDrag::AirDrag(std::span<const glm::vec3> sides, const glm::quat& turn, float 
     const Float4 of_area = Float4::all(0.5f * drag_coefficient / mass);
     const auto side = [&](size_t i) { return i < sides.size() ? sides[i] : glm::vec3(0.0f); };
     std::array<double, 3> across{}; // the mean of |side . u| over unit vectors u across an axis
-    // The roots of four sides at once, as they take most of the time; sums in the order of the sides.
+    // Square roots take most of the time, hence four sides at once. Sums are in the order of the sides.
     for (size_t i = 0; i < sides.size(); i += 4) {
         Vector4 own = rotated(turn, Vector4::of(side(i), side(i + 1), side(i + 2), side(i + 3)));
         own = {of_area * own.x, of_area * own.y, of_area * own.z};
@@ -36,7 +36,7 @@ AirDrag::AirDrag(std::span<const glm::vec3> sides, const glm::quat& turn, float 
         std::array<double, group_size> square, met;
         for (size_t k = 0; k < group_size; ++k)
             square[k] = static_cast<double>(group[k]) * static_cast<double>(group[k]);
-        for (size_t k = 0; k < group_size; ++k) // from the other two axes
+        for (size_t k = 0; k < group_size; ++k) // the component across the axis, from the other two
             met[k] = 2.0 / std::numbers::pi * std::sqrt(square[(k + 4) % group_size] + square[(k + 8) % group_size]);
         for (size_t lane = 0; lane < 4; ++lane) {
             most_ += length[lane];

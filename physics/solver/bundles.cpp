@@ -33,7 +33,7 @@ void Bundles::finish(uint32_t min_points) {
     std::erase_if(groups_, [this](uint32_t group) { return points_[group] == 0; });
     std::ranges::sort(groups_,
                       [this](uint32_t a, uint32_t b) { return std::pair(points_[b], a) < std::pair(points_[a], b); });
-    uint32_t filled = min_points; // of the bundle at hand
+    uint32_t filled = min_points; // points of the last bundle
     for (const uint32_t group : groups_) {
         if (filled >= min_points) {
             ++count_;

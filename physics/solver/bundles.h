@@ -1,9 +1,9 @@
-// Contacts between bodies that move, in bundles that have no body in common.
+// Bundles: groups of contacts between moving bodies that have no body in common.
 //
-// Who presses on whom, directly or through others, must be solved together; what lies apart need not wait. So each
-// bundle is swept by itself, on any thread and while it is at hand: a thing that broke has its pieces around it and
-// nobody else. A bundle of less than some contacts is not worth a task and takes others in. In which bundle a contact
-// is changes no bit of its solution: the contacts of any two bodies that have to do with each other keep their order.
+// Bodies that press on each other, directly or through others, form a connected component and must be solved together;
+// components are independent. A bundle is one large component, or several small ones that together are worth a task.
+// All sweeps over a bundle run in one task, on any thread, while its data is in the cache. The assignment to bundles
+// changes no bit of the solution, because the contacts within a component keep their order.
 #pragma once
 
 #include <cstddef>
@@ -16,20 +16,20 @@ class Bundles {
   public:
     static constexpr uint32_t none = UINT32_MAX;
 
-    // So many movers, none of which touches another one.
+    // Starts with this many moving bodies (movers), each a component of its own.
     void start(size_t movers);
-    // Two of them touch, at so many points.
+    // Joins the components of two movers that touch at `points` points.
     void join(uint32_t a, uint32_t b, uint32_t points);
-    // The bundle with the largest group comes first; but for the last one all have at least so many points.
+    // Forms bundles, the largest component first. All bundles except the last have at least min_points points.
     void finish(uint32_t min_points);
 
     [[nodiscard]] uint32_t count() const { return count_; }
-    // None for a mover that touches no other one.
+    // The bundle of a mover; `none` for a mover that touches no other mover.
     [[nodiscard]] uint32_t of(uint32_t mover) const { return bundles_[mover]; }
 
   private:
     std::vector<uint32_t> parents_, points_, bundles_; // by mover
-    std::vector<uint32_t> groups_;                     // scratch of finish(): roots
+    std::vector<uint32_t> groups_;                     // scratch of finish(): roots of components
     uint32_t count_ = 0;
 };
 

@@ -1,5 +1,5 @@
-// Four floats that are added, multiplied and compared at once: SSE2 where the compiler has it, which every x86-64
-// does, and plain loops elsewhere. Both give the same bits: there is no multiply-add.
+// Four floats in lanes: SSE2 where the compiler has it, as on every x86-64, plain loops elsewhere. Both give equal
+// bits, because neither fuses multiplications with additions.
 #pragma once
 
 #include <cmath>
@@ -11,19 +11,19 @@
 
 namespace brittle::physics {
 
-// Memory is read and written unaligned. min and max give the second operand where one is not a number.
+// Loads and stores may be unaligned. min and max return the second operand in lanes where either is NaN.
 #if defined(__SSE2__)
 
 struct Float4 {
     __m128 v;
 
     static Float4 load(const float* from) { return {_mm_loadu_ps(from)}; }
-    // Three, and 0; the fourth is read as well.
+    // Loads three floats and sets the last lane to 0. Reads a fourth float from memory.
     static Float4 load3(const float* from) {
         return {_mm_and_ps(_mm_loadu_ps(from), _mm_castsi128_ps(_mm_set_epi32(0, -1, -1, -1)))};
     }
     static Float4 all(float value) { return {_mm_set1_ps(value)}; }
-    // Faster than load() of numbers that were just written one by one, which waits for them to leave the core.
+    // Faster than load() of floats that were just written one by one, which fails store forwarding.
     static Float4 of(float a, float b, float c, float d) { return {_mm_setr_ps(a, b, c, d)}; }
     void store(float* to) const { _mm_storeu_ps(to, v); }
 
@@ -34,25 +34,25 @@ struct Float4 {
     friend Float4 min(Float4 a, Float4 b) { return {_mm_min_ps(a.v, b.v)}; }
     friend Float4 max(Float4 a, Float4 b) { return {_mm_max_ps(a.v, b.v)}; }
     friend Float4 sqrt(Float4 a) { return {_mm_sqrt_ps(a.v)}; }
-    // Of the first three: (0 + 1) + 2.
+    // Sum of the first three lanes: (0 + 1) + 2.
     friend float sum3(Float4 a) {
         const __m128 second = _mm_shuffle_ps(a.v, a.v, _MM_SHUFFLE(1, 1, 1, 1));
         const __m128 third = _mm_movehl_ps(a.v, a.v);
         return _mm_cvtss_f32(_mm_add_ss(_mm_add_ss(a.v, second), third));
     }
-    // Bit i is set where a <= b and c <= d in lane i, and so on.
+    // Bit i is set if a <= b, c <= d and e <= f in lane i.
     friend uint32_t all_less_equal(Float4 a, Float4 b, Float4 c, Float4 d, Float4 e, Float4 f) {
         return static_cast<uint32_t>(_mm_movemask_ps(
             _mm_and_ps(_mm_and_ps(_mm_cmple_ps(a.v, b.v), _mm_cmple_ps(c.v, d.v)), _mm_cmple_ps(e.v, f.v))));
     }
-    // Bit i is set where a < b in lane i.
+    // Bit i is set if a < b in lane i.
     friend uint32_t less(Float4 a, Float4 b) { return static_cast<uint32_t>(_mm_movemask_ps(_mm_cmplt_ps(a.v, b.v))); }
-    // yes where a < b, no elsewhere.
+    // Selects `yes` in lanes where a < b, `no` elsewhere.
     friend Float4 where_less(Float4 a, Float4 b, Float4 yes, Float4 no) {
         const __m128 less = _mm_cmplt_ps(a.v, b.v);
         return {_mm_or_ps(_mm_and_ps(less, yes.v), _mm_andnot_ps(less, no.v))};
     }
-    // Bit i is set where a == b in lane i.
+    // Bit i is set if a == b in lane i.
     friend uint32_t equal(Float4 a, Float4 b) { return static_cast<uint32_t>(_mm_movemask_ps(_mm_cmpeq_ps(a.v, b.v))); }
 };
 

@@ -1,5 +1,5 @@
-// Solves rows of four bodies side by side, whose other sides never move: the same operations as one row at a time,
-// bit for bit.
+// Iterations of four rows in lanes: rows of four bodies against static sides (row.h). The operations per row and their
+// order are those of RowSolver, so results are equal bit for bit.
 #pragma once
 
 #include <array>
@@ -14,7 +14,8 @@ namespace brittle::physics {
 
 using FourVectors = std::array<Float4, 3>; // x, y and z of four vectors
 
-// The velocity changes of four bodies. Of fewer, the last lanes hold any body's and are not stored.
+// The velocity changes dv of four bodies. With fewer bodies, the surplus lanes hold those of any body and are not
+// stored.
 struct FourChanges {
     FourVectors linear, angular;
     Float4 inverse_mass;
@@ -41,7 +42,7 @@ struct FourChanges {
         }
     }
 
-    // dv += M^-1 J^T impulse
+    // dv += M^-1 J^T impulse, for side a
     void apply(const FourRows& rows, Float4 impulse) {
         const Float4 speed = impulse * inverse_mass;
         for (size_t axis = 0; axis < 3; ++axis) {
@@ -49,7 +50,8 @@ struct FourChanges {
             angular[axis] = angular[axis] + Float4::load(rows.inverse_inertia_angular[axis].data()) * impulse;
         }
     }
-    // One iteration (row.h), with an accumulated impulse other than the rows' own, clamped to [low, high].
+    // One iteration (row.h) with the given bias, m_eff and lambda instead of the rows' own; lambda is clamped to
+    // [low, high].
     void solve(const FourRows& rows, const Four& bias, const Four& effective_mass, Four& impulse, Float4 low,
                Float4 high) {
         FourVectors speed;
@@ -63,12 +65,12 @@ struct FourChanges {
         after.store(impulse.data());
         apply(rows, after - before);
     }
-    // A contact pushes only.
+    // Contact rows: lambda >= 0.
     void solve_contacts(FourRows& rows) {
         solve(rows, rows.bias, rows.effective_mass, rows.impulse, Float4::all(0.0f),
               Float4::all(std::numeric_limits<float>::max()));
     }
-    // Friction is bounded by the coefficient times the normal impulse (Coulomb).
+    // Friction rows: |lambda| <= mu lambda_contact.
     void solve_friction(FourRows& rows, Float4 coefficient, const FourRows& contacts) {
         const Float4 bound = coefficient * Float4::load(contacts.impulse.data());
         solve(rows, rows.bias, rows.effective_mass, rows.impulse, Float4::all(0.0f) - bound, bound);

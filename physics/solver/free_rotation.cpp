@@ -27,8 +27,8 @@ Spin free_spin(const Spin& spin, const glm::dvec3& moments, double seconds) {
             if (glm::dot(change, change) <= settled * settled) break;
         }
         body = 2.0 * middle - body;
-        // The Cayley map of h m is the quaternion (1, h m / 2), normalised: the same rational map that turned
-        // the angular momentum in the body's axes, so that in the world it stands still.
+        // The Cayley map of h m is the normalised quaternion (1, h m / 2). Its inverse is the rotation of the angular
+        // momentum in body axes above, so the angular momentum in world axes is constant.
         orientation = glm::normalize(orientation * glm::dquat(1.0, 0.5 * h * middle));
     }
     return {orientation, orientation * body};

@@ -46,7 +46,7 @@ void clear(GroundRows& rows, size_t lane) {
     rows.speed[lane] = rows.correction[lane] = 0.0f;
 }
 
-// The bodies of four points, one for each or one for all.
+// The bodies of four points in lanes: four bodies, or one body four times.
 struct Bodies {
     const std::array<FourVectors, 3>& inverse_inertia;
     const FourVectors &centre, &linear, &angular;
@@ -56,10 +56,10 @@ struct Bodies {
 struct Points {
     FourVectors position;
     Float4 distance, warm_normal_impulse;
-    FourVectors tangent; // in which friction acts where they do not slide
+    FourVectors tangent; // direction of friction for points that do not slide
 };
 
-// Fills the Jacobian of rows along a direction at each point.
+// Writes J and I^-1 (r x n) of rows along n at each point. Returns m_eff, and the bias of v_target = 0: -m_eff J v.
 Made rows_along(const FourVectors& normal, const FourVectors& arms, const Bodies& bodies, FourRows& rows) {
     const FourVectors angular = cross(arms, normal);
     const FourVectors turn{dot(bodies.inverse_inertia[0], angular), dot(bodies.inverse_inertia[1], angular),
@@ -81,6 +81,7 @@ void store(const Made& made, Float4 impulse, FourRows& rows) {
 
 const glm::vec3 up(0, 1, 0);
 
+// Contact, friction and split-impulse terms as in row.h, with b static.
 GroundRows rows_of(const Bodies& bodies, const Points& points, const GroundStep& step) {
     const Float4 none = Float4::all(0.0f), seconds = Float4::all(step.seconds);
     const FourVectors arms = points.position - bodies.centre;
@@ -107,7 +108,7 @@ GroundRows rows_of(const Bodies& bodies, const Points& points, const GroundStep&
     return rows;
 }
 
-// Points that do not slide alternate between two tangents, so that together they hold both ways.
+// Points that do not slide alternate between two tangents: together they hold the body in both directions.
 const std::array<glm::vec3, 2>& tangents_of_ground() {
     static const Tangents tangents = tangents_of(up);
     static const std::array<glm::vec3, 2> both{tangents.first, tangents.second};

@@ -1,7 +1,8 @@
-// Rows of hulls' contacts with the ground, four points at a time: of one body, or one point of each of four bodies.
+// Builds the rows of contacts with the ground (row.h), four points at a time: four points of one body, or one point of
+// each of four bodies.
 //
-// In a heap half of all contacts are with the ground, and a row there depends on no other body. The operations and
-// their order are those of RowSolver::make_row(): not a bit differs. Thread-safe: no state.
+// In a heap half of all contacts are with the ground, and their rows depend on one body each. The operations and their
+// order are those of RowSolver::make_row(), so results are equal bit for bit. Pure functions; thread-safe.
 #pragma once
 
 #include <array>
@@ -16,28 +17,28 @@
 namespace brittle::physics {
 
 struct GroundRows {
-    // The part of an overlap that a step corrects. The ground is static, so it may be more than between bodies, where
-    // each piece that is lifted lifts others.
+    // The part of an overlap that a step corrects. It may exceed the part between bodies, because lifting a body off
+    // the static ground lifts no other body into overlap.
     static constexpr float correction_part = 0.6f;
 
-    FourRows contacts, frictions; // the normals of frictions are their tangents
-    Four speed;                   // m/s, at which the body comes down, before the step's gravity
-    Four correction;              // bias of the split impulse that corrects overlap, N s; 0: there is none
+    FourRows contacts, frictions; // n of a friction row is its tangent
+    Four speed;                   // m/s, approach speed before the step's gravity: -J v_0
+    Four correction;              // N s, bias of the split impulse; 0 without overlap
 };
 
 struct GroundStep {
     float seconds;
     glm::vec3 gravity;
     float min_bounce_speed; // m/s; slower impacts do not bounce
-    float warm_start_part;  // of the last impulse
+    float warm_start_part;  // part of the last impulse from which lambda starts
 };
 
-// Makes the rows of four points from `first` on; where there are fewer, the last point repeats. The body is not
-// resting.
+// Returns the rows of four points of one body from `first` on; the last point fills up missing ones. Precondition: the
+// body is not resting.
 [[nodiscard]] GroundRows ground_rows(const SolverBody& body, const GroundManifold& ground, size_t first,
                                      const GroundStep& step);
 
-// Four bodies that are not resting, side by side, and their contacts with the ground.
+// Four bodies in lanes, none of them resting, and their contacts with the ground.
 struct FourGrounded {
     FourGrounded(const std::array<const SolverBody*, 4>& bodies, const std::array<const GroundManifold*, 4>& manifolds);
 
@@ -46,7 +47,7 @@ struct FourGrounded {
     FourVectors centre, linear, angular;
     Float4 inverse_mass, restitution, friction;
 };
-// Makes the rows of the point with that index of each; a body with fewer points has rows without effect.
+// Returns the rows of the point with that index of each body; zero rows for a body with fewer points.
 [[nodiscard]] GroundRows ground_rows(const FourGrounded& bodies, size_t index, const GroundStep& step);
 
 } // namespace brittle::physics

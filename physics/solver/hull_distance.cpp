@@ -14,17 +14,18 @@ namespace {
 
 using glm::dvec3;
 
-// More than any pair of hulls of 32 points has needed (19 and 40): what is found by then is taken.
+// More than any pair of hulls of 32 points has needed (19 and 40). At the limit the best result so far is returned.
 constexpr int max_gjk_rounds = 48, max_epa_rounds = 64;
-// Nearer than this part of the hulls' size, the direction between two points is rounding: they count as overlapping.
+// Hulls nearer than this part of their size count as overlapping: the direction between nearest points is rounding
+// error.
 constexpr double touching_part = 1e-5;
-// GJK ends where no corner can bring the distance down by more than this part of it. As in Bullet: where faces are
-// nearly parallel, a smaller one always gives the same corner, and contacts are slower to become four.
+// GJK ends if no corner can reduce the squared distance by more than this part of it. The value is Bullet's: with a
+// smaller one, nearly parallel faces always give the same corner, and manifolds take longer to fill with four points.
 constexpr double near_enough = 1e-6;
-// EPA ends where the next corner would move a face by less than this part of the hulls' size.
+// EPA ends if the next corner would move the face by at most this part of the hulls' size.
 constexpr double face_part = 1e-5;
 
-// A corner of the Minkowski difference: first minus second, both in the first's frame.
+// A vertex of the Minkowski difference, first minus second, in the first hull's frame.
 struct Corner {
     dvec3 at;
     uint16_t index_first, index_second;
@@ -40,7 +41,7 @@ glm::vec3 to_single(const dvec3& v) {
 struct Difference {
     const HullShape& first;
     const HullShape& second;
-    const Transform& frame; // of the second in the first's
+    const Transform& frame; // of the second hull in the first hull's frame
 
     [[nodiscard]] dvec3 on_second(int index) const {
         return to_double(frame * second.points()[static_cast<size_t>(index)]);
@@ -49,7 +50,7 @@ struct Difference {
         return {to_double(first.points()[static_cast<size_t>(index_first)]) - on_second(index_second),
                 static_cast<uint16_t>(index_first), static_cast<uint16_t>(index_second)};
     }
-    // The farthest in a direction.
+    // The vertex farthest in a direction.
     [[nodiscard]] Corner support(const dvec3& direction) const {
         const glm::vec3 along = to_single(direction);
         return corner(first.support_index(along), second.support_index(-along * frame.basis));
@@ -67,7 +68,7 @@ struct Simplex {
             return c.index_first == corner.index_first && c.index_second == corner.index_second;
         });
     }
-    // The point nearest to the origin is a corner, on a segment or in a triangle.
+    // Set the simplex to a corner, a segment or a triangle, with the weights of its point nearest to the origin.
     void set(const Corner& a) {
         corners[0] = a;
         weights[0] = 1.0;
@@ -101,7 +102,7 @@ void nearest_of_segment(Simplex& s, const Corner a, const Corner b) {
     s.set(a, b, along / square);
 }
 
-// Ericson 5.1.5, for the origin.
+// Ericson 5.1.5, with the origin as the query point.
 void nearest_of_triangle(Simplex& s, const Corner a, const Corner b, const Corner c) {
     const dvec3 ab = b.at - a.at, ac = c.at - a.at;
     const double d1 = -glm::dot(ab, a.at), d2 = -glm::dot(ac, a.at);
@@ -117,11 +118,12 @@ void nearest_of_triangle(Simplex& s, const Corner a, const Corner b, const Corne
     const double va = d3 * d6 - d5 * d4;
     if (va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0) return nearest_of_segment(s, b, c);
     const double sum = va + vb + vc;
-    if (!(sum > 0.0)) return nearest_of_segment(s, a, b); // no area: the new corner was on a side
+    if (!(sum > 0.0)) return nearest_of_segment(s, a, b); // no area: the new corner lies on a side
     s.set(a, b, c, vb / sum, vc / sum);
 }
 
-// Leaves the simplex as it is where the origin is inside.
+// Reduces the simplex to the face nearest to the origin and returns false; returns true and leaves it unchanged if the
+// origin is inside.
 bool inside_tetrahedron(Simplex& s) {
     const std::array<Corner, 4> corners = s.corners;
     Simplex best;
@@ -130,7 +132,7 @@ bool inside_tetrahedron(Simplex& s) {
         const Corner &a = corners[(apex + 1) % 4], &b = corners[(apex + 2) % 4], &c = corners[(apex + 3) % 4];
         const dvec3 normal = glm::cross(b.at - a.at, c.at - a.at);
         const double of_apex = glm::dot(normal, corners[apex].at - a.at), of_origin = -glm::dot(normal, a.at);
-        if (of_apex * of_origin > 0.0) continue; // on the same side: not nearest to this face
+        if (of_apex * of_origin > 0.0) continue; // origin and apex on one side of the face
         Simplex face;
         nearest_of_triangle(face, a, b, c);
         const double square = glm::dot(face.nearest, face.nearest);
@@ -141,8 +143,8 @@ bool inside_tetrahedron(Simplex& s) {
     return false;
 }
 
-// Reduces the simplex to the corners whose hull holds the point nearest to the origin; true if the origin is inside
-// of it.
+// Reduces the simplex to the corners that span its point nearest to the origin. Returns whether the origin is inside
+// the simplex.
 bool reduce(Simplex& s) {
     const std::array<Corner, 4> c = s.corners;
     switch (s.count) {
@@ -168,12 +170,13 @@ void remember(const Simplex& s, NearestCorners& corners) {
     }
 }
 
-// A polytope inside the difference that grows until its face nearest to the origin is one of the difference.
+// EPA's polytope: lies inside the Minkowski difference and grows until its face nearest to the origin lies on the
+// difference's surface.
 class Polytope {
   public:
     Polytope(const Difference& difference, double size) : difference_(difference), size_(size) {}
 
-    // From a simplex that holds the origin, if only on its border. False where the difference is flat.
+    // Starts from a simplex that contains the origin, possibly on its border. Returns false if the difference is flat.
     bool begin(Simplex simplex) {
         if (!make_tetrahedron(simplex)) return false;
         std::copy(simplex.corners.begin(), simplex.corners.end(), corners_.begin());
@@ -185,7 +188,7 @@ class Polytope {
         return true;
     }
 
-    // The overlap of least depth.
+    // Returns the overlap of least depth, and the corners that span it.
     [[nodiscard]] HullDistance least(NearestCorners& near) {
         double min_depth = std::numeric_limits<double>::infinity();
         Face found{};
@@ -195,8 +198,8 @@ class Polytope {
             const Corner corner = difference_.support(face->normal);
             const double depth = glm::dot(face->normal, corner.at);
             const bool last = depth - face->distance <= face_part * size_;
-            // Any direction tells how far the hulls must move along it: where this ends early, the best one seen is
-            // right.
+            // The depth along any direction is an upper bound of the least depth, so an early end returns the best
+            // direction so far.
             if (last || depth < min_depth) min_depth = depth, found = *face;
             if (last || !grow(corner)) break;
         }
@@ -212,7 +215,7 @@ class Polytope {
         double distance;
     };
 
-    // Twelve times the volume, and its sign: above 0 where p is on the side that the triangle's normal points to.
+    // Six times the signed volume of (a, b, c, p): positive if p is on the side of the triangle's normal.
     static double side_of(const dvec3& p, const dvec3& a, const dvec3& b, const dvec3& c) {
         return glm::dot(glm::cross(b - a, c - a), p - a);
     }
@@ -262,7 +265,8 @@ class Polytope {
         return true;
     }
 
-    // Replaces what the corner sees by a cone to it. False where that cannot be done.
+    // Replaces the faces visible from the corner by the cone over their horizon. Returns false if the arrays are full
+    // or rounding leaves no valid horizon.
     bool grow(const Corner& corner) {
         if (corner_count_ == corners_.size()) return false;
         horizon_count_ = 0;
@@ -281,7 +285,7 @@ class Polytope {
         return true;
     }
 
-    // A side between two faces that go is none of the horizon.
+    // Adds a half-edge to the horizon, or removes its twin: an edge between two removed faces is not on the horizon.
     bool toggle(uint8_t from, uint8_t to) {
         for (size_t i = 0; i < horizon_count_; ++i) {
             if (horizon_[i][0] != to || horizon_[i][1] != from) continue;
@@ -293,8 +297,8 @@ class Polytope {
         return true;
     }
 
-    // Where on the border a point of it lies: on the face, or on another in its plane, as any of them may be told to
-    // be the nearest.
+    // Returns the corners and weights of a point on the surface: in `face`, or in another face of its plane, because
+    // rounding decides which coplanar face counts as nearest.
     [[nodiscard]] Simplex nearest_to(const dvec3& point, const Face& face) const {
         Simplex best;
         double best_square = std::numeric_limits<double>::infinity();
@@ -359,7 +363,7 @@ HullDistance hull_distance(const HullShape& first, const HullShape& second, cons
             const double length = std::sqrt(square);
             return {static_cast<float>(along / length), to_single(s.nearest / length), {0.0f, 0.0f, 0.0f}};
         }
-        // No corner is nearer, or only by rounding.
+        // No corner is nearer except by rounding.
         if (s.has(corner) || square - along <= near_enough * square) break;
         Simplex next = s;
         next.corners[next.count++] = corner;

@@ -1,10 +1,10 @@
-// How far apart two convex hulls are, or how deep they overlap, and where.
+// Distance or overlap depth of two convex hulls, with the nearest points.
 //
-// GJK, started with the corners that were nearest last time: in a heap they nearly always still are, and two support
-// queries confirm it. For hulls that overlap, EPA. Both in double, on corners that are rounded once: every iteration
-// compares the same hulls, so the search ends with a corner that repeats, not with a tolerance.
+// GJK finds the distance. It starts with the nearest corners of the last call: in a heap they are nearly always nearest
+// still, and two support queries confirm it. EPA finds the depth of an overlap. Both compute in double on corners that
+// are rounded to float once, so every iteration sees equal hulls and GJK can end with a repeated corner.
 //
-// Metres. Margins are left out: subtract both from the distance. Thread-safe: no state.
+// Metres. Margins are not included: subtract both from the distance. Pure functions; thread-safe.
 //
 // E. Gilbert, D. Johnson, S. Keerthi, "A fast procedure for computing the distance between complex objects", 1988;
 // G. van den Bergen, "Proximity queries and penetration depth computation on 3D game objects", 2001 (EPA);
@@ -20,22 +20,23 @@
 
 namespace brittle::physics {
 
-// The pairs of corners that span the nearest points: where the next search begins.
+// The pairs of corners that span the nearest points: the start of the next search.
 struct NearestCorners {
-    uint32_t count = 0; // 0: none are known
+    uint32_t count = 0; // 0: no start is known
     std::array<uint16_t, 4> first{}, second{};
 };
 
 struct HullDistance {
-    float distance = 0.0f;              // below 0: the depth of the overlap; above the limit: a lower bound
+    float distance = 0.0f;              // m; negative: depth of the overlap; above the limit: a lower bound
     glm::vec3 normal{0.0f, 1.0f, 0.0f}; // unit, in the first hull's frame, from the second to the first
-    // The nearest or deepest point of the second hull, in the first one's frame; unset above the limit. The one of
+    // The nearest or deepest point of the second hull, in the first hull's frame; unset above the limit. The point of
     // the first hull is point + normal * distance.
     glm::vec3 point{0.0f};
 };
 
-// Takes the second hull's frame in that of the first. Beyond the limit any normal that separates the hulls by more is
-// returned. Hulls have up to 65,536 points each, not all in one plane; flat ones may have an overlap of depth 0.
+// Returns the distance of two hulls; second_in_first is the second hull's frame in the first hull's. If the hulls are
+// farther apart than `limit`, the normal is any direction along which they are. `corners` is read and updated.
+// Precondition: at most 65,536 points a hull. Hulls whose Minkowski difference is flat have an overlap of depth 0.
 [[nodiscard]] HullDistance hull_distance(const HullShape& first, const HullShape& second,
                                          const Transform& second_in_first, float limit, NearestCorners& corners);
 

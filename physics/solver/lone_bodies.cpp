@@ -9,24 +9,24 @@ namespace brittle::physics {
 
 namespace {
 
-// Four blocks of four bodies: a row depends on the one before, and the rows of the other blocks fill the latency.
+// Four blocks of four bodies: a row depends on the row before, and the rows of the other blocks fill the latency.
 constexpr uint32_t block_size = 4, group_size = 4 * block_size;
 
 } // namespace
 
-// Bodies side by side, the first with most points, and their rows.
+// Four bodies in lanes, the first with the most points, and their rows.
 struct LoneBodies::Block {
     struct Row {
         GroundRows made;
         Four correction_impulse, correction_mass;
-        bool deep; // one of them has overlap to correct
+        bool deep; // at least one lane has overlap to correct
     };
 
     uint32_t count = 0;               // bodies
-    std::array<uint32_t, 4> bodies{}; // lanes that stay empty repeat the last body
+    std::array<uint32_t, 4> bodies{}; // surplus lanes repeat the last body
     std::array<GroundManifold*, 4> grounds{};
     uint32_t row_count = 0;
-    bool deep = false; // one of the rows
+    bool deep = false; // at least one row is deep
     Float4 coefficient;
     FourChanges changes, corrections;
     std::array<Row, GroundManifold::max_points> rows;
@@ -78,9 +78,9 @@ struct LoneBodies::Block {
     }
 };
 
-// A counting sort.
+// A counting sort by descending number of points.
 void LoneBodies::arrange() {
-    std::array<uint32_t, GroundManifold::max_points + 1> places{}; // by how many points are missing
+    std::array<uint32_t, GroundManifold::max_points + 1> places{}; // by number of points missing to max_points
     const auto missing = [](const Lone& body) { return GroundManifold::max_points - body.ground->count; };
     for (const Lone& body : bodies_)
         if (missing(body) + 1 < places.size()) ++places[missing(body) + 1];
@@ -101,7 +101,7 @@ void LoneBodies::solve(uint32_t begin, uint32_t end, const State& state, const G
     };
     for (uint32_t i = begin; i < end; ++i) {
         if (i + 1 < end)
-            for (const Lone& body : group(i + 1)) prefetch(body.ground, 512); // as many points as most have
+            for (const Lone& body : group(i + 1)) prefetch(body.ground, 512); // covers the points of most manifolds
         solve(group(i), state, step, sweeps);
     }
 }
@@ -112,7 +112,7 @@ void LoneBodies::solve(std::span<const Lone> group, const State& state, const Gr
     for (size_t i = 0; i < blocks.size(); ++i)
         blocks[i].make(group.subspan(i * block_size, std::min<size_t>(block_size, group.size() - i * block_size)),
                        state, step);
-    // The first row of each, then the second ones.
+    // The first row of each block, then the second rows.
     const auto for_rows = [&](const auto& visit) {
         for (uint32_t row = 0; row < blocks[0].row_count; ++row)
             for (Block& block : blocks)

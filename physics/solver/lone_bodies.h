@@ -1,8 +1,8 @@
-// Bodies that touch nothing but the ground, as most debris does, and are not resting: solved four at a time from
-// their contact points to their contact points.
+// Lone bodies: bodies that touch the ground only and are not resting, as most debris.
 //
-// For sixteen bodies at a time rows are made, all sweeps run over them, overlap is corrected, and impulses go back to
-// the points; the rows are never stored. The operations and their order are those of RowSolver: not a bit differs.
+// Sixteen bodies at a time, four in lanes, go through the whole solution: rows are built from the contact points, all
+// sweeps run over them, overlap is corrected, and impulses are written back to the points. The rows are never stored.
+// The operations and their order are those of RowSolver (row.h), so results are equal bit for bit.
 #pragma once
 
 #include <cstdint>
@@ -15,20 +15,20 @@ namespace brittle::physics {
 
 class LoneBodies {
   public:
-    // The solver's bodies, and what becomes of their velocities and of the correction of overlap.
+    // The solver's bodies; dv of the velocities and dv of the split impulses, both written.
     struct State {
         const SolverBody* bodies;
         VelocityChange *changes, *corrections;
     };
 
     void clear() { bodies_.clear(); }
-    // A body that is not resting; the manifold has points.
+    // Precondition: the body is not resting and the manifold has points.
     void add(GroundManifold& ground, uint32_t body) { bodies_.push_back({&ground, body}); }
-    // After the last add(): puts bodies with as many points side by side.
+    // Sorts bodies by number of points. Call it after the last add().
     void arrange();
     [[nodiscard]] uint32_t count() const { return static_cast<uint32_t>(bodies_.size()); }
 
-    // Solves the bodies of some groups; for different groups, on any threads. Leaves the impulses in the points.
+    // Solves a range of groups and stores the impulses in their contact points. Thread-safe for different groups.
     [[nodiscard]] uint32_t groups() const;
     void solve(uint32_t begin, uint32_t end, const State& state, const GroundStep& step, int sweeps) const;
 

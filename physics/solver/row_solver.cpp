@@ -11,19 +11,20 @@ namespace brittle::physics {
 
 namespace {
 
-// Points of one pair of bodies that have places of their own; a hull has up to twelve on the ground, a compound more.
+// Number of points of one pair that the counting sort of order() tells apart. A hull has up to twelve on the ground, a
+// compound more.
 constexpr uint32_t max_points = 32;
-// The bound of a normal impulse.
+// Upper bound of a contact's lambda.
 constexpr float no_limit = std::numeric_limits<float>::max();
-// Warm starting: the part of the last impulse from which a contact starts.
+// Warm starting: part of the last impulse from which a contact's lambda starts.
 constexpr float warm_start_part = 0.85f;
-// The part of an overlap that a step corrects, and the share of it that rotation takes.
+// Part of an overlap that a step corrects, and the share of the correcting rotation that is applied.
 constexpr float correction_part = 0.2f;
 constexpr float rotation_share = 0.1f;
 
 // Fewer than this are not worth waking another thread for.
 constexpr uint32_t min_contacts = 128, min_manifolds = 128, min_bodies = 128, min_groups = 4;
-// Contacts of a bundle, at least: it is a task, and with their friction they are 50 KB.
+// Least number of contacts in a bundle: worth a task, and with their friction rows 50 KB.
 constexpr uint32_t min_bundle = 256;
 
 void put(float* to, const glm::vec3& from) {
@@ -45,7 +46,7 @@ void RowSolver::solve(std::span<Body* const> bodies, std::span<const AnyManifold
     store(bodies, manifolds, step.seconds, threads);
 }
 
-// No task reads what another one changes. The longest ones come first.
+// Tasks are independent: none reads what another writes. The longest tasks come first.
 void RowSolver::solve_rows(const Step& step, fracture::Threads& threads) {
     const int sweeps = step.sweeps;
     changes_.assign(bodies_.size(), {});
@@ -116,7 +117,7 @@ RowSolver::Sides RowSolver::sides_of(const AnyManifold& manifold) const {
             manifold.count};
 }
 
-// A counting sort.
+// A counting sort by bundle and index in the manifold.
 void RowSolver::order(std::span<const AnyManifold> manifolds, fracture::Threads& threads) {
     sides_.resize(manifolds.size());
     threads.for_chunks(static_cast<uint32_t>(manifolds.size()), min_manifolds,
@@ -157,7 +158,7 @@ void RowSolver::order(std::span<const AnyManifold> manifolds, fracture::Threads&
     order_static();
 }
 
-// Lone bodies need no places among the others.
+// Moves bodies that touch the ground only from the ordered points to lone_.
 void RowSolver::take_lone(std::span<const AnyManifold> manifolds) {
     lone_.clear();
     points_of_lone_ = 0;
@@ -180,7 +181,8 @@ void RowSolver::order_static() {
         const Sides& two = sides_[i];
         if (!two.one_sided()) continue;
         for (uint32_t k = 0; k < two.count; ++k)
-            static_bodies_[places_[firsts_[i] + k] - first_static_] = std::min(two.a, two.b); // one of the two is none
+            static_bodies_[places_[firsts_[i] + k] - first_static_] =
+                std::min(two.a, two.b); // one of the two is `none`
     }
     static_rows_.arrange(static_bodies_, inverse_masses_, bundles_);
 }
@@ -214,7 +216,7 @@ std::span<RowSolver::Solved> RowSolver::solved_of(size_t manifold) {
 
 void RowSolver::make_rows(Manifold& manifold, std::span<const uint32_t> places, std::span<Solved> solved,
                           const Step& step) {
-    // A deeper overlap than a step may correct counts as that deep.
+    // The overlap that a step may correct; a deeper one counts as this deep.
     const float deepest = step.separation_speed * step.seconds / correction_part;
     const Body &a = manifold.a(), &b = manifold.b();
     const bool swapped = a.fixed, one_sided = swapped || b.fixed;
@@ -295,8 +297,7 @@ RowSolver::Side RowSolver::side_of(const Body& body, const glm::vec3& position) 
     return {&bodies_[index], index, position - bodies_[index].centre};
 }
 
-// The Jacobian J = [n, r_a x n, -n, n x r_b], the effective mass 1 / (J M^-1 J^T), and the bias that stops the sides:
-// -m_eff J v.
+// J and m_eff of row.h along a direction n, and the bias of v_target = 0: -m_eff J v.
 Row RowSolver::row_along(const glm::vec3& normal, const Side& a, const Side& b) {
     Row row{};
     const auto inverse_inertia_times = [](const SolverBody& body, const glm::vec3& v) {
@@ -325,16 +326,16 @@ Row RowSolver::row_along(const glm::vec3& normal, const Side& a, const Side& b) 
     return row;
 }
 
-// The target speed of a contact is its bounce, e times the approach speed, less the speed that may close a gap within
-// the step: bias = m_eff (bounce - max(distance, 0) / h - J v).
+// Contact: bias = m_eff (v_target - J v), with v_target = bounce - max(distance, 0) / h as in row.h: the gap may close
+// within the step. Friction: v_target = 0. The bias of the split impulse goes to corrections_.
 inline RowSolver::Made RowSolver::make_row(const Touch& touch, size_t place, const Step& step) {
     const Side &a = touch.a, &b = touch.b;
     const glm::vec3& normal = touch.normal;
     Row row = row_along(normal, a, b);
-    // Between two resting bodies, or one and a static body, everything stays as it is.
+    // Between two resting bodies, or a resting and a static one, m_eff is 0 and the impulses stay constant.
     const bool at_rest = row.effective_mass == 0.0f;
     const float apart = at_rest ? 0.0f : -row.bias / row.effective_mass;
-    // Before the step's gravity, which is the same for two moving bodies.
+    // J v_0: before the step's gravity, which cancels for two moving bodies.
     const float before = b.body || at_rest ? apart : apart - glm::dot(normal, step.gravity) * step.seconds;
     const float bounce = std::abs(before) < step.min_bounce_speed ? 0.0f : std::max(0.0f, -before * touch.restitution);
     row.bias += (bounce - std::max(touch.distance, 0.0f) / step.seconds) * row.effective_mass;
@@ -367,7 +368,7 @@ void RowSolver::solve_contacts(std::span<Row> rows, VelocityChange* changes) {
     for (Row& row : rows) solve_row(row, changes, 0.0f, no_limit);
 }
 
-// |friction impulse| <= coefficient * normal impulse (Coulomb).
+// |lambda| <= mu lambda_contact.
 void RowSolver::solve_friction(size_t begin, size_t end) {
     VelocityChange* const changes = changes_.data();
     for (size_t i = begin; i < end; ++i) {
@@ -400,7 +401,7 @@ inline void RowSolver::solve_row(Row& row, VelocityChange* changes, float low, f
     apply(row, row.impulse - before, changes);
 }
 
-// A static b is neither read nor written: else all bodies on the ground would wait for each other.
+// Neither reads nor writes a static b: otherwise the rows of all bodies on the ground would depend on each other.
 inline void RowSolver::solve_one_sided(Row& row, VelocityChange* changes) {
     const VelocityChange& a = changes[row.a];
     const float apart = sum3(Float4::load3(row.normal) * Float4::load(a.linear)
@@ -432,7 +433,7 @@ void RowSolver::take_deep() {
                             .one_sided.emplace_back(static_rows_.row(place - first_static_)));
 }
 
-// Split impulses: velocities that move the bodies once and are then dropped.
+// Split impulses: their dv moves the bodies once and is then discarded.
 void RowSolver::correct_overlap(Deep& deep, int sweeps) {
     for (int sweep = 0; sweep < sweeps; ++sweep) {
         solve_contacts(deep.between, position_changes_.data());

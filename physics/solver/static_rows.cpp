@@ -9,15 +9,15 @@ namespace brittle::physics {
 
 namespace {
 
-// Blocks that are solved in all sweeps at once come in groups of this many: a row depends on the one before, and the
-// rows of the other blocks fill the latency.
+// Number of blocks whose rows are interleaved in solve_lone(): a row depends on the row before, and the rows of the
+// other blocks fill the latency.
 constexpr uint32_t group_size = 4;
-constexpr uint32_t max_counted = 48; // rows of a body: see sort_bodies()
+constexpr uint32_t max_counted = 48; // rows of a body that the counting sort of sort_bodies() tells apart
 
 } // namespace
 
-// By bundle, bodies without one last; within a bundle those with most rows first. A counting sort; the few with very
-// many rows are sorted by comparison.
+// Sorts bodies by bundle, bodies without a bundle last, and within a bundle by descending number of rows. A counting
+// sort; the few bodies beyond max_counted rows are sorted by comparison.
 void StaticRows::sort_bodies(const Bundles& bundles) {
     const auto key_of = [&](uint32_t body) {
         const size_t bundle = std::min(bundles.of(body), bundles.count());
@@ -54,7 +54,7 @@ void StaticRows::arrange(std::span<const uint32_t> bodies, std::span<const float
         while (firsts_.size() <= bundle) firsts_.push_back(static_cast<uint32_t>(blocks_.size()));
         if (another || blocks_.back().count == 4) {
             blocks_.push_back({.begin = end, .end = end + counts_[body]});
-            blocks_.back().bodies.fill(body); // lanes that stay empty read something
+            blocks_.back().bodies.fill(body); // surplus lanes read a valid body
             end = blocks_.back().end;
         }
         Block& block = blocks_.back();
@@ -66,7 +66,7 @@ void StaticRows::arrange(std::span<const uint32_t> bodies, std::span<const float
     contacts_.resize(end);
     frictions_.resize(end);
     coefficients_.resize(end);
-    for (const Block& block : blocks_) { // what nobody puts is without effect
+    for (const Block& block : blocks_) { // zero rows where a lane has fewer rows than its block
         const uint32_t full = block.count < 4 ? 0 : counts_[block.bodies.back()];
         for (uint32_t at = block.begin + full; at < block.end; ++at) {
             contacts_[at] = frictions_[at] = {};
@@ -137,7 +137,7 @@ StaticRows::Impulses StaticRows::impulses(size_t contact) const {
     return {contacts_[at].impulse[lane], frictions_[at].impulse[lane]};
 }
 
-// Calls visit(place, changes of the bodies) for the rows of a bundle.
+// Calls visit(row, dv of the block's bodies) for all rows of a bundle.
 void StaticRows::for_rows(uint32_t bundle, VelocityChange* changes, const auto& visit) const {
     for (const Block& block : of(bundle)) {
         FourChanges moving(block.bodies, block.inverse_mass, changes);
@@ -179,7 +179,7 @@ void StaticRows::solve_lone(uint32_t begin, uint32_t end, int sweeps, VelocityCh
 void StaticRows::solve_lone(std::span<const Block> group, int sweeps, VelocityChange* changes) {
     std::array<FourChanges, group_size> moving;
     for (size_t i = 0; i < group.size(); ++i) moving[i] = FourChanges(group[i].bodies, group[i].inverse_mass, changes);
-    // The first row of each, then the second ones; the first block has most.
+    // The first row of each block, then the second rows; the first block has the most rows.
     const auto for_rows = [&](const auto& visit) {
         for (uint32_t row = 0; row < group[0].end - group[0].begin; ++row)
             for (size_t i = 0; i < group.size() && row < group[i].end - group[i].begin; ++i)

@@ -1,13 +1,13 @@
 // Rows of contacts with static bodies and the ground, four bodies at a time.
 //
-// Such a row changes one body's velocity only. So the first rows of four bodies are solved side by side, then their
-// second ones, while the velocities of the four stay in registers; bodies with about as many rows come together. In a
-// heap half of all contacts are with the ground. Each body's rows are solved in their order, with the operations of
-// one at a time: not a bit differs.
+// In a heap half of all contacts are with the ground. A row against a static side (row.h) changes the velocity of one
+// body only, so the rows of four bodies form a block: the first rows of the four are solved in lanes, then the second
+// rows, while the four velocities stay in registers. Bodies with similar numbers of rows share a block. The rows of one
+// body are solved in their order, with the operations of RowSolver::solve_row(), so results are equal bit for bit.
 //
-// Bodies without other rows depend on nothing between two sweeps: their rows are solved in all sweeps at once, on any
-// thread. Bodies with other rows are solved sweep by sweep, with their bundle. Bodies that touch nothing but the
-// ground have no rows here: lone_bodies.h.
+// A body without other rows is independent of all other bodies: its rows go through all sweeps in one call, on any
+// thread. A body with other rows belongs to a bundle and is solved sweep by sweep with it. Bodies that touch the ground
+// only have no rows here: lone_bodies.h.
 #pragma once
 
 #include <array>
@@ -24,26 +24,25 @@ namespace brittle::physics {
 
 class StaticRows {
   public:
-    // Reserves places for contacts, given by their bodies; those of one body in the order in which they are to be
-    // solved. Inverse masses are by body. A body that has rows elsewhere is in a bundle.
+    // Reserves places for contacts. `bodies` holds the body of each contact; contacts of one body come in the order of
+    // solution. Inverse masses are by body. A body that has rows elsewhere is in a bundle.
     void arrange(std::span<const uint32_t> bodies, std::span<const float> inverse_masses, const Bundles& bundles);
-    // Writes the rows of the contact with that index, and of its friction. For different contacts, on any threads.
+    // Writes the row of a contact and of its friction. Thread-safe for different contacts.
     void put(size_t contact, const Row& row, const Row& friction, float coefficient);
-    // From one lane of four rows.
+    // Copies them from one lane of four rows.
     void put(size_t contact, const FourRows& rows, const FourRows& frictions, size_t lane, float coefficient);
 
-    // Of the bodies of a bundle; for different bundles, on any threads: warm starting, one sweep over contacts, and
-    // one over their friction.
+    // Warm starting, one sweep over contacts, and one sweep over friction, for the bodies of a bundle. Thread-safe for
+    // different bundles.
     void apply(uint32_t bundle, VelocityChange* changes) const;
     void solve_contacts(uint32_t bundle, VelocityChange* changes);
     void solve_friction(uint32_t bundle, VelocityChange* changes);
 
-    // All of that, and so many sweeps, for some groups of the bodies without a bundle. For different groups, on any
-    // threads.
+    // Warm starting and all sweeps for a range of groups of bodies without a bundle. Thread-safe for different groups.
     [[nodiscard]] uint32_t lone_groups() const;
     void solve_lone(uint32_t begin, uint32_t end, int sweeps, VelocityChange* changes);
 
-    // As it was put, with its present impulse.
+    // The row that put() wrote, with its present impulse.
     [[nodiscard]] Row row(size_t contact) const;
     struct Impulses {
         float contact, friction;
@@ -52,7 +51,7 @@ class StaticRows {
 
   private:
     struct Block {
-        uint32_t begin = 0, end = 0; // its rows; a body with fewer has rows without effect
+        uint32_t begin = 0, end = 0; // its rows; shorter lanes are filled up with zero rows
         uint32_t count = 0;          // bodies
         std::array<uint32_t, 4> bodies{};
         Four inverse_mass{};
@@ -69,13 +68,13 @@ class StaticRows {
     [[nodiscard]] uint32_t lone() const { return firsts_.back(); }
 
     std::vector<Block> blocks_;
-    std::vector<uint32_t> firsts_{0}; // blocks of bundles; from the last one on, of bodies without rows elsewhere
-    std::vector<FourRows> contacts_, frictions_;  // side by side
-    std::vector<Four> coefficients_;              // of friction, beside them
-    std::vector<uint32_t> bodies_, slots_;        // by contact; its row, times four, and lane
-    std::vector<uint32_t> lanes_;                 // by body: its block, times four, and lane
-    std::vector<uint32_t> counts_;                // scratch of arrange(), as the next: rows by body
-    std::vector<uint32_t> starts_, next_, order_; // bodies that have rows, in order, and where those of a kind begin
+    std::vector<uint32_t> firsts_{0}; // by bundle: its first block; last: the first block of bodies without a bundle
+    std::vector<FourRows> contacts_, frictions_;  // parallel arrays
+    std::vector<Four> coefficients_;              // mu, parallel to them
+    std::vector<uint32_t> bodies_, slots_;        // by contact; a slot is four times the row plus the lane
+    std::vector<uint32_t> lanes_;                 // by body: four times its block plus the lane
+    std::vector<uint32_t> counts_;                // scratch of arrange(): rows by body
+    std::vector<uint32_t> starts_, next_, order_; // scratch: counting sort; order_: bodies that have rows
 };
 
 } // namespace brittle::physics
