@@ -14,7 +14,8 @@ namespace brittle::physics {
 
 namespace {
 
-// Another axis is taken when boxes spread by this factor more along it: what is sorted along the old one is lost.
+// The axis changes only if boxes spread this many times as much along another one, because a change discards the sorted
+// order.
 constexpr float worth_another_axis = 1.25f;
 
 // Fewer boxes than this are not worth waking another thread for.
@@ -30,7 +31,7 @@ bool collide(Collides a, Collides b) {
     return a != b || a == Collides::moving;
 }
 
-// Bits that ascend with the number, which is finite or infinite.
+// Returns an integer that orders as the number does. Precondition: the number is not NaN.
 uint32_t ascending_bits(float value) {
     const auto bits = std::bit_cast<uint32_t>(value + 0.0f); // -0 is 0
     return (bits & 0x80000000u) != 0 ? ~bits : bits | 0x80000000u;
@@ -48,7 +49,7 @@ void SweptPairs::update(const std::vector<Key>& found, const std::vector<std::un
         next_keys_.push_back(key);
     };
     size_t old = 0;
-    // Pairs before a key: those of two boxes that were not set stay.
+    // Passes the old pairs before a key; pairs of two still boxes stay.
     const auto pass = [&](Key until) {
         for (; old < pairs_.size() && keys_[old] < until; ++old) {
             const Key key = keys_[old];
@@ -67,7 +68,7 @@ void SweptPairs::update(const std::vector<Key>& found, const std::vector<std::un
     pass(std::numeric_limits<Key>::max());
     std::swap(pairs_, next_);
     std::swap(keys_, next_keys_);
-    next_.clear(); // and with them the contacts of pairs that have come apart
+    next_.clear(); // frees the contacts of dropped pairs
 }
 
 void SweptPairs::forget_gone(const std::vector<Change>& changes, const std::vector<uint32_t>& ranks) {
@@ -83,8 +84,8 @@ void SweptPairs::forget_gone(const std::vector<Change>& changes, const std::vect
     keys_.resize(left);
 }
 
-// Pairs with a proxy of higher rank lie side by side, behind all pairs with one of lower rank. Hardly any of the
-// latter is the proxy's, so they are compared in blocks.
+// The proxy's pairs with higher ranks are consecutive in key order; its pairs with lower ranks are scattered over all
+// keys before them. Few of those keys match, so they are compared in blocks.
 const std::vector<uint32_t>& SweptPairs::pairs_of(const SweptProxy& proxy) {
     constexpr size_t at_once = 64;
     const uint32_t rank = proxy.rank;
@@ -111,7 +112,7 @@ void SweepBroadphase::Boxes::resize(size_t count) {
     }
     size.resize(count + 3);
     min_partner.resize(count);
-    min_partner.resize(count + 3, infinite); // what has no bounds overlaps what is empty
+    min_partner.resize(count + 3, infinite); // a box without bounds overlaps an empty one
 }
 
 void SweepBroadphase::Boxes::copy(size_t place, Boxes& to, size_t to_place) const {
@@ -163,7 +164,7 @@ uint32_t SweepBroadphase::Boxes::overlaps(size_t first, const Box4& box) const {
 uint32_t SweepBroadphase::Boxes::large_enough(size_t first, Float4 own_size, Float4 own_min_partner) const {
     const Float4 sizes = Float4::load(size.data() + first), min_partners = Float4::load(min_partner.data() + first);
     return all_less_equal(min_partners, own_size, own_min_partner, sizes, own_min_partner,
-                          sizes); // the third is the second again
+                          sizes); // the second comparison twice
 }
 
 void SweepBroadphase::add(std::unique_ptr<SweptProxy> proxy) {
@@ -224,7 +225,7 @@ void SweepBroadphase::find_pairs() {
 
 void SweepBroadphase::forget_gone() {
     const auto gone = [this](uint32_t rank) { return changes_[rank] == SweptPairs::Change::gone; };
-    std::vector<uint32_t> ranks; // by the old ones
+    std::vector<uint32_t> ranks; // new rank by old rank
     uint32_t left = 0;
     for (uint32_t rank = 0; rank < proxies_.size(); ++rank) {
         ranks.push_back(left);
@@ -246,7 +247,7 @@ void SweepBroadphase::forget_gone() {
     some_gone_ = false;
 }
 
-// The same ones in the same order, with their new ranks, which are given by the old ones.
+// Keeps the order and assigns the new ranks; `ranks` holds them by old rank.
 void SweepBroadphase::forget_gone(Still& still, const std::vector<uint32_t>& ranks) {
     const auto gone = [this](uint32_t rank) { return changes_[rank] == SweptPairs::Change::gone; };
     uint32_t left = 0;
@@ -264,7 +265,7 @@ void SweepBroadphase::forget_gone(Still& still, const std::vector<uint32_t>& ran
 int SweepBroadphase::widest_axis() const {
     std::array<float, 3> spread{};
     for (size_t axis = 0; axis < 3; ++axis) {
-        float low = infinite, high = -infinite; // twice the middles
+        float low = infinite, high = -infinite; // of twice the middles
         for (const Sorted* boxes : {&moving_, &debris_})
             for (const uint32_t rank : boxes->ranks) {
                 const float middle = boxes_.low[axis][rank] + boxes_.high[axis][rank];
@@ -291,7 +292,7 @@ void SweepBroadphase::sort(Sorted& sorted) {
     }
 }
 
-// The order of those of the last time is known.
+// Both lists are sorted: the still boxes of the last step, and the new ones.
 void SweepBroadphase::merge(Still& still) {
     new_.ranks.clear();
     std::ranges::set_difference(still.ranks, still.known, std::back_inserter(new_.ranks));
@@ -362,7 +363,7 @@ const SweepBroadphase::Connected& SweepBroadphase::connected(std::span<const uin
 }
 
 bool SweepBroadphase::connect_few(std::span<const uint32_t> ranks, const Passes& passes) {
-    constexpr size_t few = 12; // from here on the other way is faster among twenty thousand pairs
+    constexpr size_t few = 12; // beyond this, connect_many() is faster among twenty thousand pairs
     connected_.pairs.clear();
     connected_.ranks.assign(ranks.begin(), ranks.end());
     is_connected_.assign(proxies_.size(), 0);
@@ -400,7 +401,7 @@ void SweepBroadphase::connect_many(std::span<const uint32_t> ranks, const Passes
     is_connected_.assign(count, 0);
     for (const uint32_t rank : ranks) is_connected_[fracture::root_of(parents_, rank)] = 1;
     connected_.ranks.clear();
-    for (uint32_t rank = 0; rank < count; ++rank) { // a root comes before all of its own
+    for (uint32_t rank = 0; rank < count; ++rank) { // a root has the lowest rank of its set
         is_connected_[rank] = is_connected_[fracture::root_of(parents_, rank)];
         if (is_connected_[rank] != 0) connected_.ranks.push_back(rank);
     }
@@ -424,7 +425,8 @@ void SweepBroadphase::sweep(const Sorted& boxes) {
     });
 }
 
-// One of the others that begins where a box is, or the other way round.
+// Of two overlapping boxes, one begins inside the other along the axis: the first loop finds pairs where the box of
+// `others` begins inside, the second loop the remaining pairs.
 void SweepBroadphase::sweep(const Sorted& boxes, const Sorted& others, bool skip_set) {
     if (boxes.ranks.empty() || others.ranks.empty()) return;
     const auto axis = static_cast<size_t>(axis_);
@@ -434,7 +436,7 @@ void SweepBroadphase::sweep(const Sorted& boxes, const Sorted& others, bool skip
         auto from = std::ranges::lower_bound(other_begins, begins[begin]);
         for (size_t i = begin; i < end; ++i) {
             while (from != other_begins.end() && *from < begins[i]) ++from;
-            if (from == other_begins.end()) return; // so do those that follow
+            if (from == other_begins.end()) return; // no later box has partners either
             sweep_one(boxes.ranks[i], others, static_cast<size_t>(from - other_begins.begin()), skip_set, found);
         }
     });
@@ -467,7 +469,7 @@ void SweepBroadphase::sweep_one(uint32_t rank, const Sorted& others, size_t from
     }
 }
 
-// By counting, first the higher ranks, then the lower ones.
+// A radix sort by counting: first by the higher ranks, then by the lower ones.
 void SweepBroadphase::sort_found() {
     scratch_.resize(found_.size());
     for (const uint32_t shift : {0u, 32u}) {

@@ -18,13 +18,13 @@
 namespace brittle::physics {
 
 struct CrossSection {
-    std::vector<glm::vec3> sides{}; // the shadow along u is the sum of |side . u|; empty: unknown
+    std::vector<glm::vec3> sides{}; // m^2; the shadow along u is the sum of |side . u|; empty: unknown
 
-    [[nodiscard]] float along(const glm::vec3& direction) const; // a unit vector
-    [[nodiscard]] float mean() const;                            // over all directions
+    [[nodiscard]] float along(const glm::vec3& direction) const; // m^2; a unit vector
+    [[nodiscard]] float mean() const;                            // m^2, over all directions
 };
 
-// Returns the cross section of a closed convex surface from its faces' normals times areas; either sign will do.
+// Returns the cross section of a closed convex surface from its faces' normals times areas, of either sign.
 [[nodiscard]] CrossSection section_of_faces(std::span<const glm::dvec3> areas);
 
 // Returns the cross section of a box from its half extents along its own axes.

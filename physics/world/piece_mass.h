@@ -1,4 +1,4 @@
-// Mass and inertia of a piece, also of one whose own integrals no rigid body can have.
+// Mass and inertia of a piece, also of a sliver whose rounded integrals no rigid body can have.
 //
 // kg, m, in the axes of the fragments. Pure functions; thread-safe.
 #pragma once
@@ -29,7 +29,8 @@ struct BodyMass {
 // Returns density times the piece's integrals. Those of a sliver may round to values that is_possible() rejects.
 [[nodiscard]] BodyMass true_mass(const fracture::Piece& piece, double density);
 
-// Returns whether a rigid body can have it: positive mass, and no principal moment above the sum of the other two.
+// Returns whether a rigid body can have this mass and inertia: positive mass, and no principal moment above the sum of
+// the other two.
 [[nodiscard]] bool is_possible(const BodyMass& body);
 
 // Returns the mass of the points' bounding box, whose sides are at least a thousandth of the longest.

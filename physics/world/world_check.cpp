@@ -9,10 +9,10 @@ namespace brittle::physics {
 
 namespace {
 
-// Least ratio of a body's smallest to its largest principal moment. Below it the solver's single-precision
-// rows for spins about the needle's own axis blow up before anything else does.
+// Least ratio of a body's smallest to its largest principal moment. Below it, the single-precision rows of a needle
+// that spins about its own axis diverge.
 constexpr double min_moment_ratio = 1e-4;
-// What single precision can hold with products and inverses to spare: from a grain of dust to a mountain.
+// Range in which products and inverses fit in single precision: from a grain of dust to a mountain.
 constexpr float min_mass = 1e-18f, greatest_mass = 1e18f;    // kg
 constexpr double min_moment = 1e-28, greatest_moment = 1e28; // kg m^2
 
@@ -22,8 +22,7 @@ fracture::Error bad_setting(std::string message) {
 
 std::string fault_of(const CollisionHull& hull) {
     if (hull.points.size() < 4) return text("its hull has ", hull.points.size(), " points, at least 4 are needed");
-    glm::vec3 none(
-        0.0f); // not a number where a point is not finite; without a branch for each, as they nearly always are
+    glm::vec3 none(0.0f); // becomes NaN if a point is not finite; avoids a branch per point
     for (const glm::vec3& point : hull.points) none += point - point;
     for (size_t i = 0; none != glm::vec3(0.0f) && i < hull.points.size(); ++i)
         if (!finite(hull.points[i])) return text("point ", i, " of its hull is not finite");
@@ -41,7 +40,7 @@ std::string fault_of(std::span<const BodyPart> parts) {
     return {};
 }
 
-// Raises those too small for the solver.
+// Raises moments below min_moment_ratio of the largest. Returns what is wrong, or an empty string.
 std::string settle_moments(glm::dvec3& moments) {
     const double largest = std::max({moments.x, moments.y, moments.z});
     const double smallest = std::min({moments.x, moments.y, moments.z});

@@ -1,4 +1,4 @@
-// What may come into a world: reasons against descriptions of bodies; and validate() of world.h.
+// Validation of body descriptions, with messages for people; and validate() of world.h.
 #pragma once
 
 #include <cmath>
@@ -16,7 +16,7 @@ namespace brittle::physics {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
-// Values one after the other, for messages.
+// Concatenates values into a message.
 template<class... Parts>
 std::string text(const Parts&... parts) {
     std::ostringstream stream;
@@ -24,9 +24,9 @@ std::string text(const Parts&... parts) {
     return stream.str();
 }
 
-// Why no body can be made of a description; an empty string where one can: of what make_form() takes, and of the
-// rest. The principal axes are then known, with moments that the solver can bear; those of a fixed body are not
-// looked for.
+// Return what makes a body description invalid, or an empty string: fault_of_form() for the members that make_form()
+// reads, fault_of_place() for the others. fault_of_form() also computes the principal axes of a body that is not fixed,
+// with moments raised to what the solver's precision allows.
 [[nodiscard]] std::string fault_of_form(const BodyDesc& desc, fracture::PrincipalAxes& principal);
 [[nodiscard]] std::string fault_of_place(const BodyDesc& desc);
 
