@@ -1,4 +1,4 @@
-// A static tree of bounds: the boxes of many that overlap one. Not thread-safe to build; queries are.
+// A static bounding volume hierarchy: finds the boxes that overlap a given box. Queries are thread-safe.
 #pragma once
 
 #include <array>
@@ -13,16 +13,16 @@ namespace brittle::physics {
 class BoxTree {
   public:
     BoxTree() = default;
-    // By halving at the median of the longest axis.
+    // Splits at the median along the longest axis.
     explicit BoxTree(std::span<const Bounds> boxes);
 
     // The bounds of all boxes.
     [[nodiscard]] const Bounds& bounds() const { return nodes_.front().box; }
 
-    // Calls visit(index) for each box that overlaps the given one, in no particular but a fixed order.
+    // Calls visit(index) for each box that overlaps the given one, in a fixed but unspecified order.
     template<class Visit>
     void for_each_overlap(const Bounds& box, const Visit& visit) const {
-        std::array<uint32_t, 64> stack; // deeper than any tree that is halved
+        std::array<uint32_t, 64> stack; // exceeds the depth of any tree of halves
         size_t depth = 0;
         if (!nodes_.empty()) stack[depth++] = 0;
         while (depth > 0) {
@@ -40,9 +40,9 @@ class BoxTree {
   private:
     struct Node {
         Bounds box;
-        uint32_t first = 0, second = 0; // children; of a leaf: the index of its box, and none
+        uint32_t first = 0, second = 0; // children; of a leaf: the index of its box, and 0
 
-        [[nodiscard]] bool leaf() const { return second == 0; } // the root is nobody's child
+        [[nodiscard]] bool leaf() const { return second == 0; } // the root is no child
     };
 
     uint32_t build(std::span<const Bounds> boxes, std::span<uint32_t> indices);

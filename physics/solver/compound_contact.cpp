@@ -66,8 +66,8 @@ class CompoundContacts final : public PairContacts {
         return make_hull_contacts(hull_of(a_, part_a), hull_of(*b_, part_b));
     }
 
-    // Pairs of parts whose bounds overlap, ascending: for each part of the body with fewer, those of the other one
-    // that its tree finds. Valid until the thread's next call.
+    // Returns the pairs of parts with overlapping bounds, ascending. Queries the tree of the body with more parts for
+    // each part of the other. Valid until the thread's next call.
     [[nodiscard]] const Parts& near_parts() const {
         thread_local Parts parts;
         parts.clear();
@@ -86,7 +86,8 @@ class CompoundContacts final : public PairContacts {
         return parts;
     }
 
-    // With the ground every part has contacts: they are speculative, and one that is too high costs a comparison.
+    // Every part has contacts with the ground, because they are speculative; a part that is too high costs a
+    // comparison.
     [[nodiscard]] const Parts& all_parts() const {
         thread_local Parts parts;
         parts.clear();

@@ -1,5 +1,5 @@
-// A rigid arrangement of convex hulls. Hulls may be shared by compounds; they must not change. Metres, in the body's
-// axes.
+// A compound: a rigid arrangement of convex hulls, in metres and body axes. Compounds may share hulls, which must not
+// change.
 #pragma once
 
 #include <memory>
@@ -12,7 +12,7 @@
 
 namespace brittle::physics {
 
-// A hull that compounds share, in its own axes, and the hull that it was made of.
+// A hull in its own axes, shared by compounds, and its source.
 struct SharedHull {
     std::shared_ptr<const CollisionHull> source;
     HullShape shape;
@@ -28,13 +28,13 @@ class CompoundShape {
         [[nodiscard]] const HullShape& shape() const { return hull->shape; }
     };
 
-    // At least one child.
+    // Precondition: at least one child.
     explicit CompoundShape(std::vector<Child> children);
 
     [[nodiscard]] const std::vector<Child>& children() const { return children_; }
     [[nodiscard]] const BoxTree& tree() const { return tree_; } // of the children's bounds in the body
     [[nodiscard]] const Bounds& local_bounds() const { return tree_.bounds(); }
-    // Holds the rotated local_bounds().
+    // The bounds of local_bounds() in a frame.
     [[nodiscard]] Bounds bounds(const Transform& frame) const { return local_bounds().in(frame); }
 
   private:

@@ -25,7 +25,7 @@ bool is_at_rest(const SweptProxy& proxy) {
     return !moves(proxy) || sleeps(proxy);
 }
 
-// An awake body has come to a sleeping one.
+// Returns whether the pair joins an awake body and a sleeping one.
 bool wakes(const SweptPair& pair) {
     return moves(*pair.a) && moves(*pair.b) && sleeps(*pair.a) != sleeps(*pair.b);
 }
@@ -54,7 +54,7 @@ void Islands::find(const std::vector<std::unique_ptr<Body>>& bodies, std::span<B
     collect(pairs, visited, threads);
 }
 
-// The islands of sleeping bodies are not kept: they are found again when one of the bodies is touched.
+// Islands of sleeping bodies are not stored; they are found again when one of their bodies is touched.
 std::span<const uint32_t> Islands::add_touched(SweepBroadphase& broadphase) {
     std::ranges::sort(touched_);
     touched_.erase(std::unique(touched_.begin(), touched_.end()), touched_.end());

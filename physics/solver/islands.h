@@ -1,12 +1,12 @@
 // Islands: bodies that can push each other, directly or through others. They sleep and wake together.
 //
-// Bodies whose bounds overlap are in one island; fixed bodies and the ground are in none. An island without a body
-// that wants to stay awake falls asleep as a whole, and wakes as a whole when an awake body comes to it. Of sleeping
-// bodies only such islands are visited, and of pairs those with an awake body or in such an island.
+// Moving bodies with overlapping bounds are in one island; fixed bodies and the ground are in none. An island whose
+// bodies are all ready to sleep falls asleep as a whole, and wakes as a whole when an awake body touches it. Only these
+// sleeping islands are visited, and only the pairs of awake bodies or of such islands.
 //
-// - Contacts come in the order of their pairs, which is that of the bodies: nothing depends on addresses or on
-//   earlier steps.
-// - Not thread-safe, but collects contacts on several threads itself.
+// - Contacts are in the order of their pairs, which is that of the bodies: nothing depends on addresses or on earlier
+//   steps.
+// - Not thread-safe; collects contacts on several threads itself.
 #pragma once
 
 #include <cstdint>
@@ -23,21 +23,21 @@ namespace brittle::physics {
 
 class Islands {
   public:
-    // Bodies by their index; the awake bodies among them, in the same order. Lets islands fall asleep and wakes them.
+    // Finds the islands, puts them to sleep and wakes them. `awake` holds the awake bodies in body order.
     void find(const std::vector<std::unique_ptr<Body>>& bodies, std::span<Body* const> awake,
               SweepBroadphase& broadphase, fracture::Threads& threads);
 
     // In body order.
     [[nodiscard]] const std::vector<Body*>& awake() const { return awake_; }
-    [[nodiscard]] const std::vector<Body*>& woken() const { return woken_; }          // slept until now
-    [[nodiscard]] const std::vector<Body*>& fallen_asleep() const { return asleep_; } // were awake until now
-    // With at least one body that is awake.
+    [[nodiscard]] const std::vector<Body*>& woken() const { return woken_; }          // asleep before find()
+    [[nodiscard]] const std::vector<Body*>& fallen_asleep() const { return asleep_; } // awake before find()
+    // The manifolds of pairs with at least one awake body.
     [[nodiscard]] const std::vector<AnyManifold>& manifolds() const { return manifolds_; }
-    // The index of one body of the island, the same for all bodies in it. Of an awake body.
+    // The index of the body that represents the island of an awake body.
     [[nodiscard]] uint32_t of(const Body& body) const { return parents_[body.index]; }
 
   private:
-    // Makes the sleeping bodies that are connected with a touched one members; returns the pairs to visit then.
+    // Adds the sleeping bodies that are connected with a touched one to members_; returns the pairs to visit.
     std::span<const uint32_t> add_touched(SweepBroadphase& broadphase);
     void unite(const SweptPair& pair);
     void settle(const std::vector<std::unique_ptr<Body>>& bodies);

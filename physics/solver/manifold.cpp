@@ -6,7 +6,7 @@ namespace brittle::physics {
 
 namespace {
 
-// Of a body's rotation radius: the distance at which a contact begins and ends.
+// Distance at which a contact begins and ends, as a part of the body's rotation radius.
 constexpr float breaking_part = 0.02f;
 
 } // namespace
@@ -26,7 +26,7 @@ void Manifold::add(const glm::vec3& normal, const glm::vec3& on_b, float distanc
     point.part_a = part_a;
     point.part_b = part_b;
     point.tangent = tangents_of(normal).first;
-    // The nearest known point within the threshold is the same contact.
+    // The nearest known point within the threshold is this contact.
     float nearest = breaking_threshold_ * breaking_threshold_;
     ContactPoint* same = nullptr;
     for (ContactPoint& known : points())
@@ -44,7 +44,8 @@ void Manifold::add(const ContactPoint& point) {
     points_[count_ < max_points ? count_++ : place_of(point)] = point;
 }
 
-// The point that a fifth one replaces: the four left span the largest area, and the deepest of the five stays.
+// Returns the index of the point that a fifth one replaces: the remaining four span the largest area and include the
+// deepest of the five.
 uint32_t Manifold::place_of(const ContactPoint& point) const {
     int deepest = -1; // the new one
     float depth = point.distance;

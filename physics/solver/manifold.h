@@ -1,4 +1,4 @@
-// Contact manifolds: the points in which two hulls, or a hull and the ground, touch or are about to.
+// Contact manifolds: the points at which two hulls, or a hull and the ground, touch or will touch in this step.
 //
 // A manifold of two hulls keeps up to four points from step to step, with the impulses that the solver starts from
 // (warm starting). A point belongs to the same contact as long as it stays within the breaking threshold.
@@ -16,14 +16,14 @@
 
 namespace brittle::physics {
 
-// Contacts that closed faster than this, m/s, are blows: the next solution does not start from their impulse. What
-// stopped a blow is a hundred times what is needed a step later, and what the sweeps do not take back would be energy
-// from nothing.
+// m/s. A contact that closed faster is a blow: the next solution does not start from its impulse. The impulse that
+// stops a blow is a hundred times the impulse of the next step, and the part that the sweeps do not take back would add
+// energy.
 inline constexpr float blow_speed = 0.2f;
 
-// Of two bodies, or of a body and the ground.
+// Returns the friction coefficient of two bodies, or of a body and the ground.
 [[nodiscard]] inline float combined_friction(float a, float b) {
-    constexpr float max_friction = 10.0f; // more holds nothing better and makes sweeps converge slower
+    constexpr float max_friction = 10.0f; // a higher one changes nothing but slows convergence
     return std::min(a * b, max_friction);
 }
 
@@ -34,12 +34,12 @@ struct ContactPoint {
     glm::vec3 normal{0.0f};
     float distance = 0.0f;           // along the normal; below 0: overlap
     uint32_t part_a = 0, part_b = 0; // hulls of compounds
-    // Of the last solution.
+    // Results of the last solution.
     float normal_impulse = 0.0f, friction_impulse = 0.0f; // N s, on a; 0 after a blow
-    glm::vec3 tangent{0.0f};                              // in which friction acted on a
+    glm::vec3 tangent{0.0f};                              // unit direction of friction on a
 };
 
-// The points between two bodies, or between two hulls of theirs.
+// The points between two bodies, or between one hull of each.
 class Manifold {
   public:
     static constexpr uint32_t max_points = 4;
@@ -54,14 +54,14 @@ class Manifold {
     [[nodiscard]] float friction() const { return combined_friction(a_->friction, b_->friction); }
     [[nodiscard]] float restitution() const { return a_->restitution * b_->restitution; }
 
-    // Distance, along the normal and across it, beyond which a point is no contact any more; points of a body that are
-    // nearer to each other than this are one.
+    // m. A point ends beyond this distance along the normal or across it. Points of a body that are nearer to each
+    // other than this are one contact.
     [[nodiscard]] float breaking_threshold() const { return breaking_threshold_; }
     void set_breaking_threshold(float threshold) { breaking_threshold_ = threshold; }
 
-    // Adds the contact at a point on b, or moves the contact that is near it, which keeps its impulses. Of five
-    // points the new one, the deepest and those stay that span the largest area with them. Beyond the threshold
-    // nothing is added.
+    // Adds the contact at a point on b, or moves a contact within the threshold, which keeps its impulses. Of five
+    // points the new one and the deepest stay, with those that span the largest area with them. Has no effect beyond the
+    // threshold.
     void add(const glm::vec3& normal, const glm::vec3& on_b, float distance, uint32_t part_a, uint32_t part_b);
     void add(const ContactPoint& point);
     // Moves the points with the bodies and drops those beyond the threshold.
@@ -79,22 +79,22 @@ class Manifold {
 
 // A hull's corner that touches the ground or may come to it in this step.
 struct alignas(64) GroundPoint {
-    glm::vec3 position{0.0f}; // on the hull, margin included, as contacts were found; world
-    glm::vec3 local{0.0f};    // the same in the body's frame; of a compound only
-    float distance = 0.0f;    // above the ground
+    glm::vec3 position{0.0f}; // m, world, when contacts were found; on the hull, margin included
+    glm::vec3 local{0.0f};    // m, position in the body's frame; compounds only
+    float distance = 0.0f;    // m, above the ground
     int corner = 0;           // of the hull
-    // Of the last solution.
-    float speed = 0.0f;                                   // m/s, at which it came down
+    // Results of the last solution.
+    float speed = 0.0f;                                   // m/s, approach speed
     float normal_impulse = 0.0f, friction_impulse = 0.0f; // N s, on the hull
-    glm::vec3 tangent{0.0f};                              // in which friction acted
-    bool blow = false;                                    // faster than blow_speed
+    glm::vec3 tangent{0.0f};                              // unit direction of friction
+    bool blow = false;                                    // whether speed > blow_speed
 
     void take(float normal, float friction) {
         normal_impulse = normal;
         friction_impulse = friction;
         blow = speed > blow_speed;
     }
-    // What the next solution starts from.
+    // Warm starting: the impulses from which the next solution starts.
     [[nodiscard]] float warm_normal_impulse() const { return blow ? 0.0f : normal_impulse; }
     [[nodiscard]] float warm_friction_impulse() const { return blow ? 0.0f : friction_impulse; }
 };
@@ -113,7 +113,8 @@ struct GroundManifold {
     [[nodiscard]] std::span<const GroundPoint> points() const { return std::span(all).first(count); }
 };
 
-// Either manifold, with the facts that most loops over contacts need: they read neither the manifold nor its bodies.
+// Either kind of manifold, with copies of the members that most loops over contacts read: they touch neither the
+// manifold nor its bodies.
 struct AnyManifold {
     static constexpr uint32_t none = UINT32_MAX;
 
@@ -129,9 +130,9 @@ struct AnyManifold {
     explicit AnyManifold(GroundManifold& of)
         : ground(&of), a(of.body->index), a_moves(!of.body->fixed), count(of.count) {}
 
-    // In two stages: the body of a ground manifold a round after its contacts.
+    // Prefetch in two stages: the body of a ground manifold one round after its contacts.
     [[gnu::always_inline]] void prefetch_contacts() const {
-        prefetch(ground ? static_cast<const void*>(ground) : between, 512); // as many points as most have
+        prefetch(ground ? static_cast<const void*>(ground) : between, 512); // covers the points of most manifolds
     }
     [[gnu::always_inline]] void prefetch_body() const {
         if (ground) prefetch(ground->body, sizeof(Body));

@@ -7,7 +7,7 @@ namespace brittle::physics {
 
 namespace {
 
-// Velocities that differ by less than this, m/s, are those of one rigid body but for rounding.
+// Velocities of one rigid body may differ by less than this, m/s: rounding.
 constexpr float same_speed = 1e-3f;
 
 bool move_as_one(const Body& a, const Body& b) {
@@ -27,7 +27,7 @@ void Siblings::check(const SweptPairs& pairs, std::optional<float> ground_height
     if (bodies_.empty()) return;
     apart_.clear();
     std::map<uint32_t, const Body*> firsts;
-    const Body* first = nullptr; // of the last body's number, which most share with the body before
+    const Body* first = nullptr; // first body of the current number; neighbours mostly share a number
     uint32_t min_rank = UINT32_MAX;
     for (const Body* body : bodies_) {
         if (!first || first->siblings != body->siblings) first = firsts.try_emplace(body->siblings, body).first->second;
@@ -38,7 +38,7 @@ void Siblings::check(const SweptPairs& pairs, std::optional<float> ground_height
     for (const uint32_t index : pairs.set()) {
         const SweptPair& pair = pairs.at(index);
         const bool both_old = pair.b->rank < min_rank,
-                   ground = !pair.a->body || !pair.b->body; // its bounds hold all others
+                   ground = !pair.a->body || !pair.b->body; // the bounds of the ground contain all others
         if (both_old || ground || pair.a->body->siblings == pair.b->body->siblings) continue;
         apart_.insert(apart_.end(), {pair.a->body->siblings, pair.b->body->siblings});
     }

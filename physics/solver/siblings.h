@@ -1,11 +1,11 @@
-// Pieces of one cut that come to the world together and fly as one.
+// Siblings: pieces of one cut that are added together and move as one rigid body in their first step.
 //
-// They do not overlap (BodyDesc::siblings promises it). As long as none of them touches anything else and they move
-// as one rigid body, no force acts between them, and their pairs need no search until two have moved against each
-// other. A thousand new pieces in the air then cost the first step a fifth of a full search. Where one touches the
-// ground or another body, or they move apart or into each other, their pairs are searched as all others.
+// Siblings do not overlap: BodyDesc::siblings is a promise. While they move as one and touch nothing else, no force
+// acts between them, and the narrow phase skips their pairs until two of them have moved against each other. A thousand
+// new pieces in the air then cost their first step a fifth of a full search. If a sibling reaches the ground or another
+// body, or siblings move apart or into each other, all pairs of that cut are searched like others.
 //
-// Body::siblings holds the number of the cut for the body's first step, and 0 afterwards.
+// Body::siblings holds the number of the cut during the body's first step, and 0 afterwards.
 #pragma once
 
 #include <cstdint>
@@ -19,14 +19,15 @@ namespace brittle::physics {
 
 class Siblings {
   public:
-    // A body that has not been in a step.
+    // Precondition: the body has not been in a step.
     void add(Body& body) {
         if (body.siblings != 0) bodies_.push_back(&body);
     }
     void remove(const Body& body);
-    // Before pairs are searched: clears the number of bodies that do not fly as one. Nothing for the height: no ground.
+    // Clears the number of the cuts whose pieces do not move as one. Call it before the narrow phase. Without ground,
+    // the height is empty.
     void check(const SweptPairs& pairs, std::optional<float> ground_height);
-    // After the search.
+    // Clears all numbers. Call it after the narrow phase.
     void forget();
 
     [[nodiscard]] static bool fly_as_one(const Body& a, const Body& b) {
@@ -34,8 +35,8 @@ class Siblings {
     }
 
   private:
-    std::vector<Body*> bodies_;   // that have not been in a step
-    std::vector<uint32_t> apart_; // numbers of cuts that do not fly as one
+    std::vector<Body*> bodies_;   // siblings that have not been in a step
+    std::vector<uint32_t> apart_; // numbers of cuts whose pieces do not move as one
 };
 
 } // namespace brittle::physics

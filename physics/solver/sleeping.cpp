@@ -13,33 +13,34 @@ namespace {
 
 // The part of its velocity that a body keeps per second while it settles: half a second reduces jitter to nothing.
 constexpr float settling_kept_per_second = 1e-6f;
-// A settling body that trembles above the sleeping speeds, but not by this factor, waits longer instead of anew.
+// A settling body above the sleeping speeds, but below this multiple of them, trembles: its time counts down instead of
+// starting anew.
 constexpr float tremble_factor = 4.0f;
-// Where this part of an island's mass is still and nothing is faster than a tremble, the rest counts as still after
+// If this part of an island's mass is still and nothing is faster than a tremble, its other bodies count as still after
 // this multiple of the sleeping time.
 constexpr float calm_part = 0.9f;
 constexpr float quiet_factor = 2.0f;
-// A body that after this multiple of the sleeping time still is within this part of what the sleeping speeds make of
-// the sleeping time (4 cm and 0.4 rad) from where it was rocks in place, however fast.
+// A body rocks in place, at any speed, if for this multiple of the sleeping time it has stayed within this part of the
+// distance and angle that the sleeping speeds cover in the sleeping time (4 cm and 0.4 rad).
 constexpr float place_factor = 2.0f;
 constexpr float place_part = 1.0f;
-// A body rests once nothing has disturbed it for so long, s: a body that has lost its support is on its way by then,
-// and contacts press as they will go on to.
+// s, without disturbance, until a body rests: by then a body that has lost its support is moving, and contact forces
+// are steady.
 constexpr float undisturbed_seconds = 0.1f;
-// Waiting counts up to this multiple of the sleeping time, so that a tremble does not at once wake a body that waits
-// for its neighbours.
+// Upper bound of the time that counts, as a multiple of the sleeping time: a body that waits for its neighbours
+// survives a tremble.
 constexpr float patience = 1.5f;
-// A body that is deeper than this in the ground, m, does not fall asleep before it has come up, or has been where it
-// is for this multiple of the sleeping time: a crumb under a body of hundreds of times its mass never comes up.
+// A body that is deeper than this in the ground, m, does not fall asleep until it has risen, or has been in one place
+// for this multiple of the sleeping time: a crumb under a body hundreds of times as heavy never rises.
 constexpr float sunk_depth = 1e-3f;
 constexpr float sunk_factor = 8.0f;
 
-// Several threads may note the same fact.
+// Sets a flag that several threads may set.
 void note(bool& fact) {
     std::atomic_ref(fact).store(true, std::memory_order_relaxed);
 }
 
-// Of two orientations, rad.
+// Returns the angle between two orientations, rad.
 float angle_between(const glm::quat& a, const glm::quat& b) {
     const auto dot = [](const glm::quat& p, const glm::quat& q) {
         return p.x * q.x + p.y * q.y + p.z * q.z + p.w * q.w;
@@ -54,22 +55,22 @@ bool is_ready(const Body& body) {
 
 } // namespace
 
-void Sleeping::let_rest(float seconds) {
-    find_company();
-    for_each_body(islands_.awake(), threads_, [&](Body& body) { let_rest(body, seconds); });
+void Sleeping::update_resting(float seconds) {
+    find_contact_states();
+    for_each_body(islands_.awake(), threads_, [&](Body& body) { update_resting(body, seconds); });
 }
 
-void Sleeping::find_company() {
-    company_.assign(bodies_.size(), {});
+void Sleeping::find_contact_states() {
+    contact_states_.assign(bodies_.size(), {});
     for_each_body(islands_.awake(), threads_, [&](const Body& body) {
         if (is_fast(body) || (rises(body) && waited(body) >= settings_.sleep_seconds))
-            note(company_[islands_.of(body)].busy);
+            note(contact_states_[islands_.of(body)].busy);
     });
-    const auto note_contacts = [&](uint32_t body, uint32_t groups, bool pressed) -> Company& {
-        Company& company = company_[body];
-        std::atomic_ref(company.contact_groups).fetch_add(groups, std::memory_order_relaxed);
-        if (pressed) note(company.pressed);
-        return company;
+    const auto note_contacts = [&](uint32_t body, uint32_t groups, bool pressed) -> ContactState& {
+        ContactState& state = contact_states_[body];
+        std::atomic_ref(state.contact_groups).fetch_add(groups, std::memory_order_relaxed);
+        if (pressed) note(state.pressed);
+        return state;
     };
     for_each_contact(islands_.manifolds(), threads_, [&](const AnyManifold& manifold) {
         if (const GroundManifold* const ground = manifold.ground) {
@@ -81,25 +82,26 @@ void Sleeping::find_company() {
         const bool pressed = std::ranges::any_of(std::as_const(*manifold.between).points(),
                                                  [](const ContactPoint& p) { return p.normal_impulse > 0.0f; });
         const auto note_other = [&](uint32_t body, uint32_t other, bool other_moves) {
-            Company& company = note_contacts(body, 1, pressed);
+            ContactState& state = note_contacts(body, 1, pressed);
             if (!other_moves) return;
             const Body& touched = *bodies_[other];
-            if (!is_ready(touched) && speed_of(touched) > 1.0f) note(company.disturbed);
+            if (!is_ready(touched) && speed_of(touched) > 1.0f) note(state.disturbed);
         };
         if (manifold.a_moves) note_other(manifold.a, manifold.b, manifold.b_moves);
         if (manifold.b_moves) note_other(manifold.b, manifold.a, manifold.a_moves);
     });
 }
 
-void Sleeping::let_rest(Body& body, float seconds) const {
-    const Company& company = company_[body.index];
-    const bool lost_contacts = company.contact_groups < body.resting_on;
-    const bool kept_awake = company_[islands_.of(body)].busy || company.disturbed || lost_contacts || !is_ready(body);
-    // A falling body is too fast after its first step, and nothing presses on it.
-    const bool carried = body.resting || (company.pressed && speed_of(body) <= 1.0f);
+void Sleeping::update_resting(Body& body, float seconds) const {
+    const ContactState& state = contact_states_[body.index];
+    const bool lost_contacts = state.contact_groups < body.resting_on;
+    const bool kept_awake =
+        contact_states_[islands_.of(body)].busy || state.disturbed || lost_contacts || !is_ready(body);
+    // Excludes falling bodies: they are fast after their first step, and have no contact impulse.
+    const bool carried = body.resting || (state.pressed && speed_of(body) <= 1.0f);
     body.undisturbed_seconds = kept_awake ? 0.0f : body.undisturbed_seconds + seconds;
     const bool rests = body.undisturbed_seconds >= undisturbed_seconds && carried;
-    if (!body.resting || !rests) body.resting_on = company.contact_groups;
+    if (!body.resting || !rests) body.resting_on = state.contact_groups;
     body.resting = rests;
     if (rests) body.velocity = {};
 }
@@ -130,8 +132,8 @@ void Sleeping::find_touching(float seconds) {
         note(touching_[manifold.a].any);
         if (!manifold.ground) return note(touching_[manifold.b].any);
         const Body& body = *bodies_[manifold.a];
-        // Where it would sleep: after the step, which may have turned a corner down, and the correction of overlap
-        // that is due.
+        // Depth in the pose in which the body would sleep: after the motion of the step, which may have turned a corner
+        // down, and the pending correction of overlap.
         for (const GroundPoint& point : manifold.ground->points()) {
             const glm::vec3 arm = point.position - body.rewind_frame.origin;
             float rise = body.velocity.at(arm).y * seconds;
@@ -144,7 +146,7 @@ void Sleeping::find_touching(float seconds) {
 void Sleeping::count_still(Body& body, float seconds) const {
     const float speed = speed_of(body);
     const bool in_place = rocks_in_place(body, seconds);
-    // One tremble that is soon over does not start the wait anew.
+    // A tremble counts the time down instead of resetting it.
     if (!in_place && (!body.touching || speed > tremble_factor))
         body.still_seconds = 0.0f;
     else
@@ -174,7 +176,7 @@ void Sleeping::find_calm() {
     }
 }
 
-// How long its island has been quiet is counted in the body, as islands come and go.
+// The body counts how long its island has been calm, because islands are found anew in each step.
 void Sleeping::count_quiet(Body& body, float seconds) const {
     const Calm& island = calm_[islands_.of(body)];
     const bool quiet = !island.fast && island.still_mass >= calm_part * island.mass;
@@ -194,7 +196,7 @@ bool Sleeping::is_fast(const Body& body) const {
     return glm::length(body.velocity.linear) > tremble_factor * settings_.sleep_linear_speed;
 }
 
-// The sleeping speeds may be 0.
+// A sleeping speed may be 0: a body that moves then has an infinite multiple.
 float Sleeping::speed_of(const Body& body) const {
     return std::max(glm::length(body.velocity.linear) / (settings_.sleep_linear_speed),
                     glm::length(body.velocity.angular) / settings_.sleep_angular_speed);

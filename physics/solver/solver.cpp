@@ -267,7 +267,7 @@ void Solver::find_islands() {
 }
 
 void Solver::solve_contacts() {
-    if (settings_.sleeping) sleeping_.let_rest(settings_.step);
+    if (settings_.sleeping) sleeping_.update_resting(settings_.step);
     const glm::vec3 fall = settings_.gravity * settings_.step;
     for_each_body(islands_.awake(), threads_, [&](Body& body) {
         body.unhindered = body.velocity;
