@@ -16,7 +16,7 @@ namespace {
 // holds up less of what it broke off, which breaks again: 8 % more pieces, in twice as many steps.
 constexpr float debris_factor = 2.0f;
 
-// The solver's frame has the principal axes, so the hull is rotated into them; to_principal must be known.
+// Rotates the hull into the principal axes, the axes of the solver's frame. Precondition: to_principal is set.
 HullShape shape_of(const BodyMeasures& body, const CollisionHull& hull, const glm::vec3& offset) {
     const glm::quat from_body = glm::conjugate(body.to_principal);
     const size_t count = hull.points.size();
@@ -50,7 +50,7 @@ void measure(BodyMeasures& body, const CompoundShape& compound) {
     }
 }
 
-// The cross section of a hull in its own axes; nearly every hull knows it.
+// The cross section of a hull in its own axes; nearly every hull holds it.
 CrossSection section_of(const CollisionHull& hull) {
     return hull.section.sides.empty() ? cross_section(hull.points) : hull.section;
 }
@@ -59,7 +59,7 @@ AirDrag drag_of(const BodyMeasures& body, const CollisionHull& hull) {
     return {section_of(hull).sides, glm::conjugate(body.to_principal), body.mass, body.moments};
 }
 
-// By the sum of the hulls' cross sections or that of the box around them, whichever is smaller on average.
+// Uses the sum of the hulls' cross sections or the cross section of their common box, whichever is smaller on average.
 AirDrag drag_of(const BodyMeasures& body, const CompoundShape& compound, std::span<const BodyPart> parts) {
     std::vector<glm::vec3> all;
     for (const BodyPart& part : parts) {
@@ -79,7 +79,7 @@ bool has_one_hull(const BodyDesc& desc) {
     return desc.parts.size() <= 1;
 }
 
-// Of the only hull from the centre of mass.
+// Offset of the only hull from the centre of mass.
 glm::vec3 offset_of(const BodyDesc& desc) {
     return desc.parts.empty() ? glm::vec3(0.0f) : desc.parts[0].offset;
 }
@@ -88,7 +88,8 @@ fracture::Error refused(std::string fault) {
     return {fracture::Status::invalid_setting, std::move(fault)};
 }
 
-// Fills the form, but for the shape of several hulls and what follows from it. Returns what is wrong, or nothing.
+// Fills the form, except for the shape of several hulls and the members computed from it. Returns what is wrong, or an
+// empty string.
 std::string describe(SolverForm& form, const BodyDesc& desc) {
     fracture::PrincipalAxes principal;
     if (std::string fault = fault_of_form(desc, principal); !fault.empty()) return fault;
@@ -119,7 +120,7 @@ std::unique_ptr<SweptProxy> proxy_of(Body& body, bool large) {
                                                    .min_partner = body.debris ? debris_factor * body.longest : 0.0f});
 }
 
-// Mass, state and proxy; the shape is known.
+// Sets mass, state and proxy. Precondition: the shape is set.
 void finish(NewBody& made, const BodyDesc& desc, const WorldSettings& settings) {
     Body& body = *made.body;
     body.friction = desc.friction;

@@ -1,4 +1,4 @@
-// A rigid body of the solver: its shape and mass, its state, and what a step remembers of it.
+// A rigid body of the solver: shape, mass, state, and results of the last step.
 #pragma once
 
 #include <cstdint>
@@ -28,26 +28,26 @@ namespace brittle::physics {
 struct BodyMeasures {
     glm::quat to_principal{1.0f, 0.0f, 0.0f, 0.0f}; // body axes = to_principal * principal axes
     glm::dvec3 moments{1.0};                        // principal moments of inertia, kg m^2
-    float mass = 0.0f;                              // kg; of a fixed body as given
+    float mass = 0.0f;                              // kg; a fixed body keeps the given mass
     bool fixed = false;
-    float reach = 0.0f;     // m, of the farthest point from the centre of mass
+    float reach = 0.0f;     // m, distance of the farthest point from the centre of mass
     float thickness = 0.0f; // m, of the thinnest hull
-    float longest = 0.0f;   // m, the longest side of the bounds in the body's own axes
+    float longest = 0.0f;   // m, longest side of the bounds in the body's own axes
 };
 
-// What the solver computes ahead of a body; of a compound, for that one body.
+// The solver's BodyForm: the part of a body that is computed ahead.
 struct SolverForm final : BodyForm {
     BodyMeasures measures;
-    AirDrag drag;                   // that of a vacuum for a fixed body
-    std::optional<HullShape> shape; // of a body with one hull; none for a compound
+    AirDrag drag;                   // none for a fixed body
+    std::optional<HullShape> shape; // of a body with one hull; empty for a compound
 };
 
 enum class Activity : uint8_t {
     awake,
-    ready,        // to sleep, as soon as its whole island is
+    ready,        // to sleep, once its whole island is ready
     asleep,       // also every fixed body
     never_sleeps, // WorldSettings::sleeping is off
-    astray        // beyond all bounds: it stays where it is
+    astray        // left the range of coordinates: it stays where it is
 };
 
 struct Body : BodyMeasures {
@@ -56,40 +56,40 @@ struct Body : BodyMeasures {
     bool debris = false;
     Activity activity = Activity::awake;
     float friction = 0.0f, restitution = 0.0f;
-    float inverse_mass = 0.0f;       // 1/kg; 0 of a fixed body
+    float inverse_mass = 0.0f;       // 1/kg; 0 for a fixed body
     glm::vec3 inverse_moments{0.0f}; // 1/(kg m^2), principal
     glm::mat3 inverse_inertia{0.0f}; // in world axes
     Transform frame;                 // of the principal axes in the world
     Velocity velocity;
     SweptProxy* proxy = nullptr;             // in the broadphase
-    uint32_t siblings = 0;                   // pieces of one cut that fly as one (siblings.h); 0: none
-    std::shared_ptr<const SolverForm> form;  // the measures are copies of its own
+    uint32_t siblings = 0;                   // number of its cut (siblings.h); 0: none
+    std::shared_ptr<const SolverForm> form;  // source of the measures
     std::unique_ptr<CompoundShape> compound; // null for a body with one hull
     std::vector<HullEdge> edges;             // of the one hull, for debug lines; filled when they are first drawn
 
-    // The step.
-    Transform step_start;            // the frame as the step began, after the correction of overlap
+    // Results of the last step.
+    Transform step_start;            // frame at the start of the step, after the correction of overlap
     bool corrected_at_start = false; // whether that correction moved it
-    Transform correction; // of overlap found in the last step, due as the next begins: rotation and translation
+    Transform correction;            // of overlap, applied at the start of the next step: rotation and translation
     bool has_correction = false;
-    float moving_seconds = 0.0f; // of the last step: less than all of it where continuous collision stopped the body
-    Velocity unhindered, solved; // before contacts, with the step's gravity, and after them
-    Transform rewind_frame;      // what World::rewind() goes back to,
-    float rewind_seconds = 0.0f; // and the time that the body then moved without touching anything
+    float moving_seconds = 0.0f; // s, less than the step if continuous collision stopped the body
+    Velocity unhindered, solved; // before contacts, with the step's gravity; and after contacts
+    Transform rewind_frame;      // the frame that World::rewind() restores
+    float rewind_seconds = 0.0f; // s, time that the body moved from there without a contact
 
     // Rest (sleeping.h).
-    float still_seconds = 0.0f;       // how long it has been slow while it touches something
-    float quiet_seconds = 0.0f;       // how long nearly all of its island has been still
-    Transform rest;                   // the last place that it has moved away to
-    float rest_seconds = 0.0f;        // how long it has touched something near that place
-    bool touching = false;            // anything, in the last step
-    bool sunk = false;                // in the ground after the last step, too deep to sleep
-    bool resting = false;             // in this step: it has infinite mass
-    float undisturbed_seconds = 0.0f; // how long nothing has kept it from resting
-    uint32_t resting_on = 0;          // groups of four contacts that it had when it came to rest, or in the last step
+    float still_seconds = 0.0f;       // s, of being slow while it touches something
+    float quiet_seconds = 0.0f;       // s, of its island being calm
+    Transform rest;                   // the place from which rocking is measured
+    float rest_seconds = 0.0f;        // s, of touching something near that place
+    bool touching = false;            // whether it touched anything in the last step
+    bool sunk = false;                // too deep in the ground to sleep
+    bool resting = false;             // has infinite mass in this step
+    float undisturbed_seconds = 0.0f; // s, without anything that keeps it from resting
+    uint32_t resting_on = 0;          // groups of contacts when it came to rest, else in the last step
 
     [[nodiscard]] bool awake() const { return activity != Activity::asleep && activity != Activity::astray; }
-    // Neither of these leaves never_sleeps and astray.
+    // Has no effect on a body that never sleeps or is astray.
     void set_activity(Activity to) {
         if (activity != Activity::never_sleeps && activity != Activity::astray) activity = to;
     }
@@ -103,7 +103,7 @@ struct Body : BodyMeasures {
     [[nodiscard]] glm::vec3 velocity_at(const glm::vec3& point) const { return velocity.at(point - frame.origin); }
 
     void set_frame(const Transform& to);
-    // Applies the correction of overlap, unless the body sleeps, and notes where the step begins.
+    // Applies the correction of overlap, unless the body sleeps, and stores step_start.
     void start_step();
     [[nodiscard]] bool has_moved() const { return corrected_at_start || !(frame == step_start); }
     [[nodiscard]] Pose pose() const { return pose_in(frame); }
@@ -112,15 +112,14 @@ struct Body : BodyMeasures {
     }
 };
 
-// A body that is in no world yet, and its entry in the broadphase.
+// A body before it is added, and its entry in the broadphase.
 struct NewBody {
     std::unique_ptr<Body> body;
     std::unique_ptr<SweptProxy> proxy; // null until the shape is known
 };
 
-// Makes all of a body that does not depend on its world, on any thread: everything but its number and its place
-// there. For several hulls the shape is left out, because bodies share hulls; finish_compound() then makes the rest.
-// The error says what is wrong, but not of which body.
+// Makes a body except for its number and index in the world. Thread-safe. A compound has no shape yet, because bodies
+// of a world share hulls; finish_compound() completes it. The error does not name the body.
 [[nodiscard]] Result<NewBody> make_body(const BodyDesc& desc, const WorldSettings& settings);
 void finish_compound(NewBody& made, std::unique_ptr<CompoundShape> shape, const BodyDesc& desc,
                      const WorldSettings& settings);

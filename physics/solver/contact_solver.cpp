@@ -7,7 +7,7 @@ namespace brittle::physics {
 
 namespace {
 
-// Slower impacts do not bounce, m/s.
+// m/s; slower impacts do not bounce.
 constexpr float min_bounce_speed = 0.2f;
 
 bool is_at_rest(const SweptProxy& proxy) {
@@ -74,7 +74,7 @@ void ContactSolver::report_solved() {
     assert(solved == rows_.solved().end());
 }
 
-// They stay as they are until a body wakes, comes or goes.
+// Contacts between sleeping bodies are constant until a body wakes, is added or is removed.
 void ContactSolver::report_sleeping() {
     if (!sleeping_known_ || were_awake_ != awake_) {
         sleeping_known_ = true;
@@ -109,7 +109,7 @@ Contact ContactSolver::report_of(const Manifold& manifold, const ContactPoint& p
     contact.b = manifold.b().id;
     contact.part_a = point.part_a;
     contact.part_b = point.part_b;
-    contact.point = (manifold.b().fixed ? point.on_a : point.on_b); // on what moves
+    contact.point = (manifold.b().fixed ? point.on_a : point.on_b); // on a body that moves
     contact.normal = point.normal;
     contact.gap = point.distance;
     return contact;

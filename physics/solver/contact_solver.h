@@ -1,8 +1,8 @@
 // Solves the contacts of a step (row_solver.h) and reports them as World::contacts().
 //
-// Overlap between bodies counts only as far as one step may correct it (WorldSettings::separation_speed). Distances
-// are found anew before the next step, which begins by moving the bodies apart. Until then they keep their places, so
-// that the angular momentum in a report is that of its impulses.
+// A reported overlap is limited to what one step may correct (WorldSettings::separation_speed). Bodies are moved apart
+// at the start of the next step. Until then their positions are those of the solution, so the angular momentum in a
+// report equals the moment of its impulses.
 #pragma once
 
 #include <memory>
@@ -23,15 +23,15 @@ class ContactSolver {
                   const SweepBroadphase& broadphase)
         : settings_(settings), bodies_(bodies), broadphase_(broadphase) {}
 
-    // Awake bodies, and all contacts of theirs, which must stay until they are reported or a body is removed.
+    // Solves all contacts of the awake bodies. The manifolds must live until they are reported or a body is removed.
     void solve(std::span<Body* const> awake, std::span<const AnyManifold> manifolds, fracture::Threads& threads);
-    // The contacts that the last step solved, in the order of manifolds. The report is made when it is first asked
-    // for, which must be before a body is removed.
+    // The contacts that the last step solved, in the order of manifolds. The first call makes the report; it must
+    // precede the removal of a body.
     [[nodiscard]] std::span<const Contact> solved_contacts();
-    // These, and behind them the contacts between sleeping bodies, as they pressed when they were last awake.
+    // solved_contacts(), followed by the contacts between sleeping bodies with their last impulses.
     [[nodiscard]] std::span<const Contact> contacts();
     void amend_contact(size_t index, const Contact& contact) { contacts_[index] = contact; }
-    // After a body has come or before one goes.
+    // Call it after a body is added and before one is removed.
     void forget_sleeping() { sleeping_known_ = false; }
 
   private:
@@ -47,7 +47,7 @@ class ContactSolver {
     RowSolver rows_;
     std::span<const AnyManifold> manifolds_; // of the last step
     std::vector<Contact> contacts_;
-    size_t solved_count_ = 0; // of contacts_: they come first
+    size_t solved_count_ = 0; // number of solved contacts, the first in contacts_
     enum class Reported { none, solved, all } reported_ = Reported::all;
     std::vector<Body*> awake_;
     // Contacts between sleeping bodies, and the bodies that were awake when they were found.

@@ -11,25 +11,24 @@ constexpr float fast_part = 0.25f;
 // Two moving bodies are searched when they may get deeper into each other than this part of both: only then are they
 // pushed apart on the wrong side.
 constexpr float half = 0.5f;
-// A way must be longer than this in any case, m: bodies that settle in a heap are left alone, however thin. At 120 Hz
-// 0.4 m/s.
+// m, shortest path that is searched: bodies that settle in a heap are skipped, however thin. 0.4 m/s at 120 Hz.
 constexpr float min_way = 0.0033f;
-// A body that reaches no farther than this part of another's thickness does not stop it.
+// A body whose reach is below this part of another's thickness is a crumb and does not stop it.
 constexpr float crumb_part = 0.25f;
 // Fewer pairs than this, that may touch or are only near, and fewer bodies are not worth waking another thread for.
 constexpr uint32_t min_pairs = 8, min_near = 256, min_bodies = 256;
 
-// Whether a way in one step exceeds both a length and what settling bodies do.
+// Whether a path in one step exceeds both a length and min_way.
 bool exceeds(float way, float length) {
     return way > std::max(length, min_way);
 }
 
-// The longest way of any of its points.
+// The longest path of any point of the body, m.
 float way_of(const Body& body, float seconds) {
     return (glm::length(body.velocity.linear) + glm::length(body.velocity.angular) * body.reach) * seconds;
 }
 
-// The longest way that rotation moves a point of the body.
+// The longest path of a point of the body by rotation alone, m.
 float rotation_way(const Body& body, const Trajectory& trajectory) {
     return glm::length(trajectory.velocity.angular) * body.reach * trajectory.stop;
 }
@@ -69,7 +68,7 @@ void ContinuousCollision::find_stops(float seconds) {
         std::pop_heap(events_.begin(), events_.end());
         const Event event = events_.back();
         events_.pop_back();
-        // Where one of the two has stopped since, there is a newer event of them, if any.
+        // If one of the two has stopped since, a newer event replaces this one.
         if (trajectories_[event.first].stop != event.first_stop
             || trajectories_[event.second].stop != event.second_stop)
             continue;

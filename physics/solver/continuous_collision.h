@@ -1,24 +1,28 @@
-// Continuous collision: fast bodies stop at their time of impact (time_of_impact.h), in front of what they hit.
+// Continuous collision: a fast body stops at its time of impact (time_of_impact.h).
 //
-// A body that moves by a quarter of its own thickness in a step has its way searched for other bodies. Where it
-// touches one it stops for the rest of the step and keeps its velocity; the next step finds the contact and all of
-// the speed, so that a blow is one impulse and a bounce has its height. Bodies that pass without touching, slide or
-// part are left alone, bit for bit.
+// The path of a body that moves by more than a quarter of its own thickness in a step is searched for other bodies. At
+// an impact the body stops for the rest of the step and keeps its velocity; the next step solves the contact with the
+// full speed, so that a blow is one impulse and a bounce has its full height. The search changes no bit of bodies that
+// pass without touching, slide or part.
 //
-// - No body passes through a fixed one. Two moving bodies are searched only when they might come out on each other's
-//   wrong side: in a heap that forms, a search of every pair costs more than all contacts.
-// - Of two bodies that meet, one that is slow for its own thickness goes on: it gets no deeper than in any other step.
-// - A body does not stop at a moving crumb that fits into it many times, nor at a much lighter body: a ball among
-//   splinters would stand still. It drives them before it, by speculative contacts (hull_contact.h).
-// - The velocities are those after contacts, so that a body that bounces off one does not pass through the next.
-// - The ground is left out, because its contacts are speculative (ground_contact.h), and so are moving bodies beside
-//   debris.
-// - Without a fast body, a body costs one comparison.
+// - No body passes through a fixed one. Pairs of moving bodies are searched only if they might be separated on the
+// wrong
+//   side: in a heap that forms, a search of every pair costs more than all contacts.
+// - Of two bodies that meet, the one that is slow for its own thickness moves on: it gets no deeper than in other
+// steps.
+// - A body does not stop at a moving crumb, whose reach is a fraction of its thickness, nor at a much lighter body: a
+// ball among
+//   splinters would stand still. Speculative contacts push these bodies (hull_contact.h).
+// - The search uses the velocities after contacts, so that a body that bounces off one does not pass through the next.
+// - The ground is left out, because its contacts are speculative (ground_contact.h). So are pairs of debris and a
+// moving
+//   body.
+// - Without a fast body, the cost is one comparison a body.
 //
-// Rejected: speculative contacts for fixed bodies as well. No time is lost then, but a blow falls on two steps in two
-// parts, and what flies past an edge is deflected.
+// Rejected: speculative contacts with fixed bodies. They lose no time, but split a blow over two steps and deflect
+// bodies that pass an edge.
 //
-// Metres, seconds. Not thread-safe, but works on several threads itself.
+// Metres, seconds. Not thread-safe; works on several threads itself.
 #pragma once
 
 #include <cstdint>
@@ -38,44 +42,44 @@ namespace brittle::physics {
 
 class ContinuousCollision {
   public:
-    // A body with less than this part of another's mass does not stop it.
+    // A body with less than this part of another body's mass does not stop it.
     static constexpr float light_part = 0.5f;
-    // A body that reaches this many times as far as another is a floor or a wall to it.
+    // A body with this many times the reach of another acts as a floor or a wall for it.
     static constexpr float larger_factor = 3.0f;
 
-    // Bodies by their index. The bounds in the broadphase must be those of the start of the step; those of some
-    // moving bodies grow by their way, until they are set anew.
+    // The bounds in the broadphase must be those of the start of the step; find() extends the bounds of crossing bodies
+    // by their paths, until they are set again.
     ContinuousCollision(const std::vector<std::unique_ptr<Body>>& bodies, SweepBroadphase& broadphase,
                         fracture::Threads& threads)
         : bodies_(bodies), broadphase_(broadphase), threads_(threads) {}
 
     struct Stop {
         Body* body;
-        float seconds; // that it moves, less than the step
+        float seconds; // of motion, less than the step
     };
-    // The bodies that stop when all that are awake move on for so long from where they are, in the order of time.
-    // Valid until the next call.
+    // Returns the bodies that stop if all awake bodies move for `seconds` from their current poses, in the order of
+    // time. Valid until the next call.
     [[nodiscard]] std::span<const Stop> find(std::span<Body* const> awake, float seconds);
 
   private:
     struct Two {
         uint32_t first, second;
     };
-    // The time of impact of two bodies, given when each of them stops.
+    // The time of impact of two bodies, computed for given stops of each.
     struct Event {
         float seconds;
         uint32_t first, second;
         float first_stop, second_stop;
-        // The earliest is on top of a heap.
+        // Orders a max-heap with the earliest event on top.
         friend bool operator<(const Event& a, const Event& b) {
             return std::tie(a.seconds, a.first, a.second) > std::tie(b.seconds, b.first, b.second);
         }
     };
-    // What the search reads of every body.
+    // The data of a body that the search of all bodies reads.
     struct Summary {
-        glm::vec3 linear;   // 0 of a body that does not move
-        float way;          // m, the longest of any of its points
-        float crossing_way; // m, from which on it may cross a moving body
+        glm::vec3 linear;   // m/s; 0 for a body that does not move
+        float way;          // m, longest path of any of its points
+        float crossing_way; // m, relative path from which on it may cross a moving body
         bool fixed, awake, debris, fast;
     };
 
@@ -83,18 +87,18 @@ class ContinuousCollision {
     void find_stops(float seconds);
     [[nodiscard]] static Summary summary_of(const Body& body, float seconds);
     void find_fast(float seconds);
-    void find_trajectories(float seconds);           // of all bodies, after the fast ones are known
-    void grow_crossing();                            // their bounds
-    [[nodiscard]] glm::vec3 common_velocity() const; // of most bodies that can move, debris left out
-    // Bounds that hold a body on its way.
+    void find_trajectories(float seconds);           // of all bodies; call it after find_fast()
+    void grow_crossing();                            // extends the bounds of crossing bodies
+    [[nodiscard]] glm::vec3 common_velocity() const; // mean of awake bodies without debris; 0 if most sleep
+    // The bounds of a body along its path.
     [[nodiscard]] Bounds swept(uint32_t body) const;
-    // These keep pairs of bodies that may touch: a fast one and fixed ones; one that has stopped and moving ones,
-    // from a time on; crossing ones and others that are not fixed.
+    // Append pairs of bodies that may touch to kept_: a fast body and fixed ones; a stopped body and moving ones, from
+    // a time on; crossing bodies and bodies that are not fixed.
     void pair_with_fixed(uint32_t body);
     void pair_with_moving(uint32_t body, float from);
     void pair_crossing();
     [[nodiscard]] bool may_touch(uint32_t first, uint32_t second, float from) const;
-    // Adds the events of the pairs that were kept, from a time on.
+    // Adds the events of the pairs in kept_, from a time on.
     void add_events(float from);
     [[nodiscard]] Event event_of(uint32_t first, uint32_t second, float from) const;
     void stop(uint32_t body, float seconds);
@@ -108,12 +112,12 @@ class ContinuousCollision {
     float end_ = 0.0f;
     std::vector<Summary> summaries_;
     std::vector<uint8_t> is_fast_, is_crossing_;
-    // In body order. Crossing bodies are fast against most others.
+    // In body order. Crossing bodies are fast relative to common_velocity().
     std::vector<uint32_t> fast_, crossing_, fixed_, near_;
-    float slow_way_ = 0.0f; // m, the longest of a body that is not crossing
+    float slow_way_ = 0.0f; // m, longest path of a body that is not crossing
     std::vector<Trajectory> trajectories_;
     std::vector<Two> kept_;     // pairs that may touch
-    std::vector<Event> found_;  // by their place in kept_
+    std::vector<Event> found_;  // by index in kept_
     std::vector<Event> events_; // a heap
     std::vector<Stop> stops_;
 };

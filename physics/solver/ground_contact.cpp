@@ -35,11 +35,11 @@ struct Corner {
     glm::vec3 position; // on the hull, margin included
     float distance;     // above the ground
     float ahead;        // distance at the end of the step if nothing stops it
-    float apart;        // squared, from the nearest corner that is kept
+    float apart;        // squared distance from the nearest kept corner
     int index;
 };
 
-// Moves the corner of the highest score to a place, from among those at and behind it; the first of several.
+// Swaps the corner with the highest score among corners[place] and later ones to `place`; the first of several.
 void take(std::vector<Corner>& corners, size_t place, const auto& score) {
     size_t best = place;
     float most = score(corners[place]);
@@ -66,7 +66,7 @@ void find_carrying(std::vector<Corner>& corners) {
     take(corners, 3, [&](const Corner& c) { return sign * side(c); });
 }
 
-// Keeps the carrying corners, and of those that would sink the ones farthest from all that are kept.
+// Keeps the carrying corners, and of the corners that would sink those farthest from all kept ones.
 void keep_best(std::vector<Corner>& corners) {
     if (corners.size() <= carrying_corners) return;
     find_carrying(corners);
@@ -95,7 +95,7 @@ float max_contact_height(const HullShape& hull, const Body& body, float arm, con
     return resting_part * hull.rotation_radius() + approach_factor * fastest * step.seconds;
 }
 
-// What a contact keeps for the next step.
+// The data of a contact that persists to the next step.
 struct WarmStart {
     int corner;
     float normal_impulse, friction_impulse;

@@ -1,15 +1,15 @@
 // Contacts of convex hulls with the ground plane y = height.
 //
-// Every corner of the hull is tested, each with the distance that it can travel in the coming step: a corner that
-// would reach the ground has its contact before it does (a speculative contact), and the solver lets it come just as
-// far. With contacts that begin at the touch, a piece at 6 m/s and 120 Hz is 5 cm deep in the ground by then, and
-// small ones never come up again.
+// Each corner of the hull is tested with the distance that it can travel in the coming step. A corner that would reach
+// the ground gets a speculative contact, which lets it come down to the ground and no farther. With contacts that begin
+// at the touch, a piece at 6 m/s and 120 Hz would already be 5 cm deep in the ground, and small pieces would never rise
+// again.
 //
-// Four corners carry a hull. Up to eight more that would sink have contacts too: with four alone, the deepest and
-// those far from it, a piece with two low corners rocks between two choices of four, and each corner sinks
-// millimetres deep while it is not chosen.
+// Four corners carry a hull. Up to eight more that would sink get contacts too. With four alone (the deepest and those
+// far from it), a piece with two low corners rocks between two choices of four, and each corner sinks by millimetres
+// while it is not chosen.
 //
-// A limit: the step that ends on the ground does so without a bounce from full speed, so fast impacts on the ground
+// A limit: a body reaches the ground at the end of a step with the reduced speed that closes the gap, so fast impacts
 // bounce less than their restitution says.
 #pragma once
 
@@ -22,7 +22,7 @@ namespace brittle::physics {
 
 [[nodiscard]] std::unique_ptr<PairContacts> make_ground_contacts(const HullOf& hull);
 
-// Whether a body of one hull is so high above the ground that it has no contact in the step.
+// Returns whether a body of one hull is too high above the ground for a contact in the step.
 [[nodiscard]] bool is_out_of_reach_of_ground(const Body& body, const ContactStep& step);
 
 } // namespace brittle::physics

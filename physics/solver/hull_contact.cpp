@@ -20,11 +20,11 @@ namespace {
 // Contacts begin at this part of the smaller hull's rotation radius, m.
 constexpr float near_part = 0.02f;
 // Hulls that touch are searched again when they have moved against each other by this part of that distance: a
-// two-hundredth of the smaller one's radius. More saves time while a heap settles; much more, and contacts lag behind
+// two-hundredth of the smaller one's radius. A larger part saves time while a heap settles, but contacts lag behind
 // corners that tilt.
 constexpr float still_part = 0.25f;
-// Pieces of one cut that fly as one are searched when they have moved against each other by this part of the smaller
-// one's radius: rounding moves them by less.
+// Siblings are searched when they have moved against each other by this part of the smaller one's radius: rounding
+// moves them by less.
 constexpr float together_part = 1e-4f;
 // Speculative contacts with a much lighter body begin when the heavier one moves in a step by this part of the smaller
 // one's radius, and both move against each other by the second part of it.
@@ -38,10 +38,10 @@ constexpr float low_part = 0.5f;
 constexpr float same_part = 0.2f;
 // Contacts whose normals have a smaller cosine between them are of different surfaces.
 constexpr float same_way = 0.9f;
-// Hulls that meet on straight ways do so after a few advances.
+// Hulls on straight paths meet after a few advances.
 constexpr int max_advances = 16;
 
-// Whether both move, and the first does not stop the second on its way (continuous_collision.h): it is pushed instead.
+// Whether both move and the first is too light to stop the second (continuous_collision.h): it is pushed instead.
 bool much_lighter(const Body& first, const Body& second) {
     return second.inverse_mass > 0.0f && second.inverse_mass < ContinuousCollision::light_part * first.inverse_mass;
 }
@@ -73,8 +73,7 @@ class HullContacts final : public PairContacts {
 
     void update(const ContactStep& step) override {
         const Frames now{a_.frame(), b_.frame()};
-        // Contacts of two bodies may end because the step goes on along another axis than the last one: one more
-        // search.
+        // The contacts may have ended because the separating axis changed: search once more.
         if (find(now, step.seconds) || (!of_compound_ && find(now, step.seconds))) return;
         manifold_.reset();
     }
@@ -93,7 +92,7 @@ class HullContacts final : public PairContacts {
         Transform a, b;
     };
 
-    // Brings the contacts up to date; false where none of those that there were is left.
+    // Updates the contacts; returns false if there were contacts and none is left.
     bool find(const Frames& now, float seconds) {
         const Transform relative_now = relative(now);
         bool pushed = may_be_pushed(now, seconds);
@@ -131,7 +130,7 @@ class HullContacts final : public PairContacts {
         return a_is_smaller_ ? now.b.to_local(now.a) : now.a.to_local(now.b);
     }
 
-    // How far any point of the smaller hull can have moved in the frame of the other one since the last search.
+    // Upper bound of the motion of any point of the smaller hull in the other hull's frame since the last search, m.
     [[nodiscard]] float moved_since(const Transform& now) const {
         float turned = 0.0f; // the square of the Frobenius norm bounds what the difference does to a vector
         for (int axis = 0; axis < 3; ++axis)
@@ -139,10 +138,10 @@ class HullContacts final : public PairContacts {
         return glm::length(now.origin - searched_at_.origin) + std::sqrt(turned) * radius_;
     }
 
-    // Whether one may get into or past the other in a step while continuous collision does not look at the two.
+    // Whether one may get into or past the other in a step, in a pair that continuous collision skips.
     [[nodiscard]] bool may_be_pushed(const Frames& now, float seconds) const {
         const glm::vec3 relative_velocity = b_.body->velocity.linear - a_.body->velocity.linear;
-        // Along the axis that separates them now they get no deeper than they come closer.
+        // Along the current separating axis, the depth is at most the approach.
         if (similar_mass_)
             return glm::dot(relative_velocity, now.a.basis * axis_) * seconds > sinking_part * min_thickness_;
         if (!a_pushes_b_ && !b_pushes_a_) return false;
@@ -170,7 +169,7 @@ class HullContacts final : public PairContacts {
         return -support(*a_.shape, now.a, -direction) - support(*b_.shape, now.b, direction) - margins_;
     }
 
-    // Finds a contact, if there is one, and by how much the hulls may move until the next search.
+    // Searches for a contact, and sets free_.
     std::optional<HullDistance> search(const Frames& now, float near) {
         free_ = gap(now, now.a.basis * axis_) - near;
         if (free_ > 0.0f) return std::nullopt;
@@ -190,8 +189,8 @@ class HullContacts final : public PairContacts {
         free_ = manifold_->count() == before ? still_ : -1.0f;
     }
 
-    // On a floor or a wall: a contact for each corner of the smaller hull that the step may bring down, as on the
-    // ground.
+    // On a floor or a wall: adds a contact for each corner of the smaller hull that the step may bring down, as
+    // ground_contact.h does.
     void add_corners(const Frames& now, float seconds) {
         if (approach_speed(now) * seconds <= still_) return;
         const Transform& frame = a_is_smaller_ ? now.a : now.b;
@@ -218,14 +217,14 @@ class HullContacts final : public PairContacts {
         manifold_->set_breaking_threshold(near_);
     }
 
-    // The hulls at the moment of touch within the step, rotation left out.
+    // The hulls at the predicted moment of touch within the step, without rotation.
     struct Touch {
-        Frames at;                   // b moved on by all that the two move against each other
-        glm::vec3 translation{0.0f}; // by so much
+        Frames at;                   // b translated by the relative motion
+        glm::vec3 translation{0.0f}; // m, of b
         glm::vec3 normal{0.0f}, on_b{0.0f};
-        float distance = 0.0f; // that is left
+        float distance = 0.0f; // m, remaining
     };
-    // Conservative advancement along the relative velocity; nothing for hulls that pass or part.
+    // Conservative advancement along the relative velocity; empty for hulls that pass or part.
     std::optional<Touch> touch_ahead(const Frames& now, float seconds) {
         const glm::vec3 against = velocity_against((a_is_smaller_ ? now.a : now.b).origin);
         const glm::vec3 whole = (a_is_smaller_ ? -against : against) * seconds;
@@ -248,7 +247,7 @@ class HullContacts final : public PairContacts {
         return touch;
     }
 
-    // Replaces the contacts, which lie where the hulls are nearest now, by those of the predicted moment of touch:
+    // Replaces the contacts at the nearest points by contacts of the predicted moment of touch:
     // the middle of the smaller hull's lower corners, the point of touch, and the lower corners that are farthest
     // from these.
     void meet_ahead(const Frames& now, float seconds) {
@@ -288,7 +287,7 @@ class HullContacts final : public PairContacts {
         }
     }
 
-    // The larger hull as a point of the smaller one's core sees it: the direction away from it, and the gap.
+    // The larger hull relative to a point of the smaller hull's core: the direction away from it, and the gap.
     struct Below {
         glm::vec3 away;
         float distance;
@@ -302,8 +301,8 @@ class HullContacts final : public PairContacts {
         return {found.normal, found.distance - margins_};
     }
 
-    // The contact, as it is now, of a point that the smaller hull will have so far from the larger one. It lies where
-    // the light body has it, because a wrong lever arm matters less on the heavy one.
+    // The present contact of a point that will be at that gap from the larger hull. It is placed on the light body,
+    // because an inexact lever arm matters less on the heavy one.
     [[nodiscard]] ContactPoint predicted(const Touch& touch, const glm::vec3& on_surface, const Below& below) const {
         const bool b_is_light = a_pushes_b_, light_is_smaller = b_is_light != a_is_smaller_;
         const glm::vec3 then = light_is_smaller ? on_surface : on_surface - below.away * below.distance;
@@ -336,8 +335,8 @@ class HullContacts final : public PairContacts {
         });
     }
 
-    // Whether a corner of the smaller hull is as far from the larger one as from the plane of a contact: over the
-    // same face.
+    // Whether a corner of the smaller hull is over the face of a contact: its distances from the larger hull and from
+    // the contact's plane are equal.
     [[nodiscard]] bool is_over(const Transform& larger_frame, const glm::vec3& corner, float height) const {
         const float limit = margins_ + near_ + std::max(height, 0.0f);
         return std::abs(below_of(larger_frame, corner, limit).distance - height) < near_;

@@ -1,8 +1,8 @@
-// A convex hull laid out for the two queries that a step makes thousands of times: its support in a direction and its
-// bounds. Both take four points at a time.
+// A convex hull laid out for the two queries that a step makes thousands of times: support in a direction, and bounds.
+// Both process four points at a time.
 //
-// The bounds are those of the points where they are, not of a rotated box: in a heap of pieces half as many pairs of
-// bounds overlap. Metres, in the hull's own axes. The margin is a distance around the points.
+// Bounds are those of the transformed points and not of a rotated box: in a heap of pieces half as many pairs overlap.
+// Metres, in the hull's own axes. The margin is a shell around the points.
 #pragma once
 
 #include <cstddef>
@@ -19,14 +19,14 @@ namespace brittle::physics {
 class HullShape {
   public:
     HullShape() = default;
-    // At least one point.
+    // Precondition: at least one point.
     HullShape(std::vector<glm::vec3> points, float margin);
 
     [[nodiscard]] const std::vector<glm::vec3>& points() const { return points_; }
     [[nodiscard]] int point_count() const { return static_cast<int>(points_.size()); }
     [[nodiscard]] float margin() const { return margin_; }
 
-    // The points in groups of four: x of four, y of four, z of four. The last point fills up the last group.
+    // The points in groups of four: 4 x, 4 y, 4 z. Copies of the last point fill up the last group.
     static constexpr size_t group_size = 12;
     [[nodiscard]] std::span<const float> groups() const { return lanes_; }
     // Dot products of the four points of a group with a direction.
@@ -35,19 +35,19 @@ class HullShape {
                + Float4::load(group + 8) * Float4::all(direction.z);
     }
 
-    // Margin included.
+    // The bounds in a frame, margin included.
     [[nodiscard]] Bounds bounds(const Transform& frame) const;
 
     // The largest dot product of a point with a direction of the hull's axes, without the margin.
     [[nodiscard]] float support(const glm::vec3& direction) const;
-    // The index of that point; the first of several.
+    // The index of that point; the lowest of several.
     [[nodiscard]] int support_index(const glm::vec3& direction) const;
     // The radius of the ball around the origin that holds the hull, margin included.
     [[nodiscard]] float radius() const { return radius_; }
     // The longest side of the bounds in the hull's own axes.
     [[nodiscard]] float longest() const { return longest_; }
-    // Bounds how far any point is from any axis through the origin: half the diagonal of the bounds and the distance of
-    // their middle.
+    // Upper bound of the distance of any point from any axis through the origin: half the diagonal of the bounds plus
+    // the distance of their middle.
     [[nodiscard]] float rotation_radius() const { return rotation_radius_; }
 
   private:

@@ -17,8 +17,8 @@ namespace {
 // Fewer pairs than this are not worth waking another thread for.
 constexpr uint32_t min_pairs = 128;
 
-// Prefetches what the next pairs need: their contacts and second bodies, then those bodies' shapes, then the points.
-// The first body is that of many pairs in a row.
+// Prefetches for the next pairs: their contacts and second bodies, then those bodies' shapes, then the points. Many
+// consecutive pairs share the first body.
 [[gnu::always_inline]] inline void prefetch_next(const SweptPairs& pairs, std::span<const uint32_t> next) {
     constexpr size_t points_ahead = 2, shape_ahead = 4, pair_ahead = 8, contact_bytes = 320;
     if (next.size() > pair_ahead) {
@@ -45,7 +45,7 @@ std::unique_ptr<PairContacts> make_contacts(const SweptPair& pair) {
     return make_hull_contacts({.body = &a, .shape = &a.hull()}, {.body = b, .shape = &b->hull()});
 }
 
-// Nothing is kept of a pair with the ground until the hull comes near it, as every body has such a pair.
+// Every body has a pair with the ground; it gets contacts only when the hull comes near.
 bool is_high_above_ground(const SweptPair& pair, const ContactStep& step) {
     if (pair.contacts || (pair.a->body && pair.b->body)) return false;
     const Body& body = *(pair.a->body ? pair.a : pair.b)->body;

@@ -1,7 +1,6 @@
 // The narrow phase: contacts of all pairs whose bounds overlap, on several threads.
 //
-// A pair's contacts change nothing but themselves, so pairs are updated side by side and nothing depends on the
-// number of threads.
+// The update of a pair writes to that pair only, so results do not depend on the number of threads.
 #pragma once
 
 #include "fracture/base/threads.h"
@@ -10,7 +9,7 @@
 
 namespace brittle::physics {
 
-// For the pairs of which bounds were set when pairs were last found and of which a body is awake.
+// Updates the contacts of the pairs with an awake body whose bounds were set when pairs were last found.
 void find_contacts(SweptPairs& pairs, const ContactStep& step, fracture::Threads& threads);
 
 } // namespace brittle::physics

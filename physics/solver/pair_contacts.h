@@ -7,14 +7,14 @@ namespace brittle::physics {
 
 struct AnyManifold;
 
-// What a search for contacts needs of the step.
+// The properties of the step that the narrow phase reads.
 struct ContactStep {
     float seconds = 0.0f;
-    float gravity = 0.0f; // m/s^2, along Y: what falls comes down faster than its velocity says
+    float gravity = 0.0f; // m/s^2, along Y: adds to the approach within the step
     float ground_height = 0.0f, ground_friction = 0.0f, ground_restitution = 0.0f;
 };
 
-// Reads the bodies of its pair and changes nothing but itself: pairs are updated side by side.
+// An update reads the bodies of the pair and writes to this object only, so pairs are updated in parallel.
 class PairContacts {
   public:
     PairContacts() = default;
@@ -22,10 +22,10 @@ class PairContacts {
     PairContacts& operator=(const PairContacts&) = delete;
     virtual ~PairContacts() = default;
 
-    // Finds the contacts for the coming step; contacts of the last one keep their impulses.
+    // Finds the contacts of the coming step; contacts that persist keep their impulses.
     virtual void update(const ContactStep& step) = 0;
-    // Moves the contacts with the bodies and drops those that have come apart, without a search. For a hull of a
-    // compound, before any of its pair's hulls is updated.
+    // Moves the contacts with the bodies and drops those beyond the breaking threshold, without a search. A compound
+    // calls it for all its hulls before it updates any of them.
     virtual void refresh() = 0;
     // Appends the manifolds that have contacts.
     virtual void collect(std::vector<AnyManifold>& to) const = 0;

@@ -11,7 +11,7 @@
 
 namespace brittle::physics {
 
-// Calls visit(body) for each body, side by side.
+// Calls visit(body) for each body, in parallel.
 void for_each_body(std::span<Body* const> bodies, fracture::Threads& threads, const auto& visit) {
     constexpr uint32_t min_bodies = 64; // fewer are not worth waking another thread for
     threads.for_chunks(static_cast<uint32_t>(bodies.size()), min_bodies, [&](uint32_t, uint32_t begin, uint32_t end) {
@@ -22,7 +22,7 @@ void for_each_body(std::span<Body* const> bodies, fracture::Threads& threads, co
     });
 }
 
-// Calls visit(manifold) for each manifold with contacts, side by side: two calls may write to the same body.
+// Calls visit(manifold) for each manifold with contacts, in parallel: two calls may concern one body.
 void for_each_contact(const std::vector<AnyManifold>& all, fracture::Threads& threads, const auto& visit) {
     constexpr uint32_t min_manifolds = 128; // fewer are not worth waking another thread for
     threads.for_chunks(static_cast<uint32_t>(all.size()), min_manifolds, [&](uint32_t, uint32_t begin, uint32_t end) {

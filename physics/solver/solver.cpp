@@ -19,15 +19,15 @@ namespace {
 
 // Bounds reach so far around the hulls, m: contacts begin before bodies touch.
 constexpr float bounds_slack = 2e-3f;
-// A body whose way in a step is longer than this, m, is astray.
+// m; a body whose path in a step is longer is astray.
 constexpr float longest_way = 1e5f;
-// Air that brakes by less than this part of gravity is left out: falling pieces of one cut would not fly as one, and
-// all their contacts would have to be searched.
+// Drag below this part of gravity is skipped: otherwise falling siblings would not move as one, and all their contacts
+// would be searched.
 constexpr float unfelt_part = 0.03f;
 // Fewer bodies than this are not worth waking another thread for.
 constexpr uint32_t min_bodies = 64, min_new_bodies = 32, min_poses = 256;
 
-// Rotates no faster than by this in a step where the way ahead is predicted, rad.
+// rad; upper bound of the rotation in a step when the path ahead is predicted.
 constexpr float max_predicted_angle = 0.5f * 1.57079632679489661923f;
 
 // Where the body is after a step at its present velocity, its rotation rate taken as constant (the exponential map).
@@ -50,8 +50,7 @@ Transform predicted(const Body& body, float seconds) {
             body.frame.origin + body.velocity.linear * seconds};
 }
 
-// Prefetches what the next bodies need for their bounds: the bodies, their forms and proxies, and the points of their
-// hulls.
+// Prefetches for the bounds of the next bodies: the bodies, their forms and proxies, and the points of their hulls.
 [[gnu::always_inline]] inline void prefetch_hulls(std::span<Body* const> bodies) {
     constexpr size_t points_ahead = 2, form_ahead = 4, body_ahead = 6;
     if (bodies.size() > body_ahead) prefetch(bodies[body_ahead]);
@@ -154,7 +153,7 @@ std::shared_ptr<SharedHull> Solver::shared_hull(const std::shared_ptr<const Coll
 
 void Solver::remove(size_t index) {
     Body& body = *bodies_[index];
-    (void)contacts_.solved_contacts(); // they still name it
+    (void)contacts_.solved_contacts(); // reports the contacts while the body exists
     siblings_.remove(body);
     std::vector<AnyManifold> manifolds;
     for (const uint32_t pair_index : broadphase_.pairs().pairs_of(*body.proxy)) {
@@ -219,7 +218,7 @@ void Solver::start_bodies() {
                         });
 }
 
-// Around the body for all of the step. A body that hardly rotates has its bounds computed once.
+// Sets bounds that contain the body throughout the step. Bounds of a body that hardly rotates are computed once.
 void Solver::set_bounds(Body& body) {
     const float seconds = settings_.step;
     Bounds bounds = body.bounds(body.frame);
@@ -239,7 +238,8 @@ void Solver::set_bounds(Body& body) {
         body.set_activity(Activity::astray);
 }
 
-// After siblings were checked, as the air meets each piece of a cut alone: before, they would not fly as one.
+// Follows the check of siblings, because drag differs between the pieces of a cut: before it, they would not move as
+// one.
 void Solver::brake_by_air() {
     if (!(settings_.air_density > 0.0f)) return;
     const float unfelt = unfelt_part * glm::length(settings_.gravity) * settings_.step;
@@ -285,8 +285,8 @@ void Solver::move_bodies() {
     for_each_body(islands_.awake(), threads_, [](Body& body) { move_on(body, body.moving_seconds); });
 }
 
-// A body that stops for the rest of a step does not fall in it either: else it would gain the speed without the way.
-// A body that a contact holds up has not gained any.
+// A body that stops for the rest of a step gains no speed of fall in that time, because it does not fall. A body that a
+// contact holds up has gained none.
 void Solver::lose_fall(Body& body, float seconds) const {
     const glm::vec3 fallen = settings_.gravity * seconds, before = body.velocity.linear - fallen;
     if (length_squared(before) >= length_squared(body.velocity.linear)) return;
@@ -340,7 +340,7 @@ void Solver::set_velocity(size_t index, const glm::vec3& linear, const glm::vec3
     body.velocity = {linear, angular};
 }
 
-// Other changes of velocity since the step stay.
+// Changes of velocity since the step remain.
 float Solver::rewind(size_t index) {
     Body& body = *bodies_[index];
     wake(body);

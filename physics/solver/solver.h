@@ -1,17 +1,17 @@
 // Brittle's rigid-body engine: contacts of convex hulls, solved by projected Gauss-Seidel.
 //
 // One step, in this order (Solver::step()):
-//  1. bodies: the correction of overlap that the last step found; damping; bounds of the way ahead
-//  2. broadphase (sweep_broadphase.h), pieces of one cut that fly as one (siblings.h), air drag (air_drag.h)
+//  1. bodies: correction of the overlap that the last step found; damping; bounds of the path ahead
+//  2. broadphase (sweep_broadphase.h), siblings (siblings.h), air drag (air_drag.h)
 //  3. narrow phase (narrow_phase.h): contacts of hulls (hull_contact.h), with the ground (ground_contact.h), of
 //     compounds
-//  4. islands (islands.h), which wake and fall asleep; bodies that rest (sleeping.h)
+//  4. islands (islands.h), which wake and fall asleep; resting bodies (sleeping.h)
 //  5. contacts and friction (contact_solver.h, row_solver.h)
 //  6. continuous collision (continuous_collision.h), then all bodies move; free rotation conserves energy and angular
 //     momentum (free_rotation.h)
 //  7. sleeping (sleeping.h)
 //
-// Metres, kilograms, seconds. A step works on several threads; results do not depend on how many.
+// Metres, kilograms, seconds. A step works on several threads; results do not depend on their number.
 #pragma once
 
 #include <cstdint>
@@ -89,7 +89,7 @@ class Solver final : public Engine {
     void note_moved();
 
     WorldSettings settings_;
-    mutable fracture::Threads threads_;         // how a loop is split changes no result
+    mutable fracture::Threads threads_;         // mutable: the split of a loop changes no result
     std::vector<std::unique_ptr<Body>> bodies_; // in body order
     std::vector<uint8_t> moved_;                // by body
     AwakeCount awake_;
@@ -105,7 +105,7 @@ class Solver final : public Engine {
     std::vector<Body*> stepped_; // bodies that were awake at any time of the step
 };
 
-// The settings are valid.
+// Precondition: the settings are valid.
 [[nodiscard]] std::unique_ptr<Engine> make_solver(const WorldSettings& settings);
 
 } // namespace brittle::physics

@@ -10,8 +10,8 @@ namespace brittle::physics {
 
 namespace {
 
-// Hulls that meet flatly take two or three advances, corners that swing a few more. Hulls that take more than this
-// spin by several turns in the step; they are stopped where they are then, which bounds the cost of a pair.
+// Hulls that meet face to face take two or three advances, swinging corners a few more. Hulls that take more than this
+// rotate several times in the step; they stop at the time reached, which bounds the cost of a pair.
 constexpr int max_advances = 64;
 // The tolerable depth in margins of the thinner hull; a margin is a fiftieth of its thickness.
 constexpr float tolerable_margins = 2.0f;

@@ -1,14 +1,14 @@
 // The time of impact of two moving hulls within a step.
 //
-// Overlap is tested at the ends of steps only: at 2 m/s and 120 Hz a crumb moves by its own size in a step, would be
-// inside a shelf or behind it at the next test, and would be pushed out on either side. Here the distance is followed
-// along the way.
+// The narrow phase tests overlap at the ends of steps only. At 2 m/s and 120 Hz a crumb moves by its own size in a
+// step: at the next test it is inside a shelf or behind it, and is pushed out on either side. This search follows the
+// distance along the path.
 //
-// Between two moments each point moves on a straight line but for the body's rotation, so the gap along one direction
-// is a concave function of time but for the sag of that rotation. It lies above its chord; where the chord reaches
-// the depth that is searched for is how far time may advance (conservative advancement).
+// Between two times each point moves along a straight line, except for the sag that the body's rotation adds. The gap
+// along a fixed direction is therefore a concave function of time, up to that sag, and lies above its chord. Time can
+// safely advance to where the chord reaches the depth that is searched for (conservative advancement).
 //
-// Metres, seconds. Thread-safe: no state.
+// Metres, seconds. Pure functions; thread-safe.
 //
 // B. Mirtich, "Impulse-based Dynamic Simulation of Rigid Body Systems", 1996, 2.3.
 #pragma once
@@ -23,16 +23,16 @@
 
 namespace brittle::physics {
 
-// The free motion of a body through a step: constant velocity, and torque-free rotation, until it stops; then rest.
+// The motion of a body through a step: constant velocity and torque-free rotation until `stop`, then rest.
 struct Trajectory {
     Transform start;
     Velocity velocity;
-    glm::dvec3 moments{1.0}; // principal
+    glm::dvec3 moments{1.0}; // principal, kg m^2
     float stop = 0.0f;       // s from the start of the step
     Transform end{};         // the frame at `stop`; see find_end()
     float end_known_for = -1.0f;
 
-    // Must be called before at(), and after a change of `stop`.
+    // Computes `end`. Call it before at() and after each change of `stop`.
     void find_end();
     [[nodiscard]] Transform at(float seconds) const { return seconds >= stop ? end : moving_at(seconds); }
 
@@ -50,13 +50,14 @@ struct MovingHull {
 // The least width of a hull, from its margin (hull.h).
 [[nodiscard]] float thickness(const HullShape& hull);
 
-// The overlap up to which two hulls are pushed apart on the right side: a part of the thinner one's thickness.
+// The overlap up to which two hulls are separated on the side from which they came: a part of the thinner hull's
+// thickness.
 [[nodiscard]] float tolerable_depth(const HullShape& first, const HullShape& second);
 
-// Returns the time between `from` and `end` at which the hulls are about to exceed the tolerable depth, or the depth
-// that they have at `from` by that much; they touch there, with their contact still to be found. Returns nothing for
-// hulls that pass each other however closely, slide on each other, or part. Neither of the bodies stops between the
-// two times.
+// Returns the time in [from, end] at which the hulls are about to exceed the tolerable depth, or, if they overlap at
+// `from`, that overlap by the tolerable depth. At this time they touch, and the narrow phase finds their contact.
+// Returns nothing for hulls that pass each other, slide or part. Precondition: neither body stops between the two
+// times.
 [[nodiscard]] std::optional<float> time_of_impact(const MovingHull& first, const MovingHull& second, float from,
                                                   float end);
 

@@ -1,6 +1,6 @@
 // Rigid transforms in single precision, as the solver uses them.
 //
-// A rotation is kept as a matrix: the solver turns many points for each change of orientation. Column vectors,
+// A rotation is a matrix, because the solver rotates many points for each change of orientation. Column vectors,
 // right-handed. Every function is a fixed sequence of IEEE operations, so results are equal with every compiler.
 #pragma once
 
@@ -15,7 +15,7 @@
 
 namespace brittle::physics {
 
-// Stands for no bound; its square is still a float.
+// Means no bound; its square is a finite float.
 inline constexpr float unbounded = 1e18f;
 
 [[nodiscard]] inline float length_squared(const glm::vec3& v) {
@@ -49,7 +49,7 @@ struct Transform {
     }
 };
 
-// The matrix of a rotation; the quaternion need not have unit length, but some.
+// The matrix of a rotation; the quaternion may have any length except zero.
 [[nodiscard]] inline glm::mat3 matrix_of(const glm::quat& q) {
     const float s = 2.0f / (q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w);
     const float xs = q.x * s, ys = q.y * s, zs = q.z * s;
@@ -102,7 +102,7 @@ struct Bounds {
         return low.x <= other.high.x && high.x >= other.low.x && low.y <= other.high.y && high.y >= other.low.y
                && low.z <= other.high.z && high.z >= other.low.z;
     }
-    // Extended by a translation of what it holds, and by a distance to all sides.
+    // Extended to contain its content along a translation, and by a distance on all sides.
     [[nodiscard]] Bounds grown(const glm::vec3& translation, float by) const {
         Bounds box = *this;
         for (int axis = 0; axis < 3; ++axis) {
@@ -111,7 +111,7 @@ struct Bounds {
         }
         return box;
     }
-    // The bounds of this box turned and moved.
+    // The bounds of this box in a frame.
     [[nodiscard]] Bounds in(const Transform& frame) const {
         const glm::vec3 half = 0.5f * (high - low), middle = frame * (0.5f * (high + low));
         glm::vec3 extent;
