@@ -2,7 +2,7 @@
 // the user (WorldSettings::engine).
 //
 // World's promises that need more than stock Bullet do not hold:
-// - No air drag. Debris is told by WorldSettings::debris_size and BodyDesc::debris, and does not collide with other
+// - No air drag. Debris is marked by WorldSettings::debris_size and BodyDesc::debris; it does not collide with other
 //   debris, but with everything else, however small; partner_size_factor() is not applied.
 // - Bullet finds one contact of a pair a step and gathers more over time; contacts() has the impulses of those. Fast
 //   bodies stop at fixed ones by Bullet's swept spheres. Sleeping is by speed and time alone.

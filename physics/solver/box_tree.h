@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cassert>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -16,8 +17,11 @@ class BoxTree {
     // Splits at the median along the longest axis.
     explicit BoxTree(std::span<const Bounds> boxes);
 
-    // The bounds of all boxes.
-    [[nodiscard]] const Bounds& bounds() const { return nodes_.front().box; }
+    // The bounds of all boxes, of which there is at least one.
+    [[nodiscard]] const Bounds& bounds() const {
+        assert(!nodes_.empty());
+        return nodes_.front().box;
+    }
 
     // Calls visit(index) for each box that overlaps the given one, in a fixed but unspecified order.
     template<class Visit>

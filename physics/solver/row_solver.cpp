@@ -305,18 +305,20 @@ Row RowSolver::row_along(const glm::vec3& normal, const Side& a, const Side& b) 
                          glm::dot(body.inverse_inertia[2], v));
     };
     put(row.normal, normal);
-    const glm::vec3 angular_a = glm::cross(a.arm, normal), turn_a = inverse_inertia_times(*a.body, angular_a);
+    const glm::vec3 angular_a = glm::cross(a.arm, normal),
+                    inverse_inertia_a = inverse_inertia_times(*a.body, angular_a);
     put(row.angular_a, angular_a);
-    put(row.inverse_inertia_angular_a, turn_a);
-    float inverse_effective_mass = a.body->inverse_mass + glm::dot(turn_a, angular_a);
+    put(row.inverse_inertia_angular_a, inverse_inertia_a);
+    float inverse_effective_mass = a.body->inverse_mass + glm::dot(inverse_inertia_a, angular_a);
     row.a = a.index;
     row.inverse_mass_a = a.body->inverse_mass;
     float apart = glm::dot(normal, a.body->linear) + glm::dot(angular_a, a.body->angular);
     if (b.body) {
-        const glm::vec3 angular_b = glm::cross(normal, b.arm), turn_b = inverse_inertia_times(*b.body, angular_b);
+        const glm::vec3 angular_b = glm::cross(normal, b.arm),
+                        inverse_inertia_b = inverse_inertia_times(*b.body, angular_b);
         put(row.angular_b, angular_b);
-        put(row.inverse_inertia_angular_b, turn_b);
-        inverse_effective_mass += b.body->inverse_mass + glm::dot(turn_b, angular_b);
+        put(row.inverse_inertia_angular_b, inverse_inertia_b);
+        inverse_effective_mass += b.body->inverse_mass + glm::dot(inverse_inertia_b, angular_b);
         row.b = b.index;
         row.inverse_mass_b = b.body->inverse_mass;
         apart += glm::dot(angular_b, b.body->angular) - glm::dot(normal, b.body->linear);

@@ -66,23 +66,23 @@ void Sleeping::find_contact_states() {
         if (is_fast(body) || (rises(body) && waited(body) >= settings_.sleep_seconds))
             note(contact_states_[islands_.of(body)].busy);
     });
-    const auto note_contacts = [&](uint32_t body, uint32_t groups, bool pressed) -> ContactState& {
+    const auto note_contacts = [&](uint32_t body, uint32_t groups, bool is_loaded) -> ContactState& {
         ContactState& state = contact_states_[body];
         std::atomic_ref(state.contact_groups).fetch_add(groups, std::memory_order_relaxed);
-        if (pressed) note(state.pressed);
+        if (is_loaded) note(state.is_loaded);
         return state;
     };
     for_each_contact(islands_.manifolds(), threads_, [&](const AnyManifold& manifold) {
         if (const GroundManifold* const ground = manifold.ground) {
-            const bool pressed = std::ranges::any_of(
+            const bool is_loaded = std::ranges::any_of(
                 ground->points(), [](const GroundPoint& p) { return p.warm_normal_impulse() > 0.0f; });
-            note_contacts(manifold.a, (ground->count + Manifold::max_points - 1) / Manifold::max_points, pressed);
+            note_contacts(manifold.a, (ground->count + Manifold::max_points - 1) / Manifold::max_points, is_loaded);
             return;
         }
-        const bool pressed = std::ranges::any_of(std::as_const(*manifold.between).points(),
-                                                 [](const ContactPoint& p) { return p.normal_impulse > 0.0f; });
+        const bool is_loaded = std::ranges::any_of(std::as_const(*manifold.between).points(),
+                                                   [](const ContactPoint& p) { return p.normal_impulse > 0.0f; });
         const auto note_other = [&](uint32_t body, uint32_t other, bool other_moves) {
-            ContactState& state = note_contacts(body, 1, pressed);
+            ContactState& state = note_contacts(body, 1, is_loaded);
             if (!other_moves) return;
             const Body& touched = *bodies_[other];
             if (!is_ready(touched) && speed_of(touched) > 1.0f) note(state.disturbed);
@@ -98,7 +98,7 @@ void Sleeping::update_resting(Body& body, float seconds) const {
     const bool kept_awake =
         contact_states_[islands_.of(body)].busy || state.disturbed || lost_contacts || !is_ready(body);
     // Excludes falling bodies: they are fast after their first step, and have no contact impulse.
-    const bool carried = body.resting || (state.pressed && speed_of(body) <= 1.0f);
+    const bool carried = body.resting || (state.is_loaded && speed_of(body) <= 1.0f);
     body.undisturbed_seconds = kept_awake ? 0.0f : body.undisturbed_seconds + seconds;
     const bool rests = body.undisturbed_seconds >= undisturbed_seconds && carried;
     if (!body.resting || !rests) body.resting_on = state.contact_groups;

@@ -42,7 +42,7 @@ class Sleeping {
     // Facts about the contacts of a body that decide whether it rests.
     struct ContactState {
         uint32_t contact_groups = 0; // groups of up to four points, by manifold
-        bool pressed = false;        // a contact had an impulse in the last step
+        bool is_loaded = false;      // a contact had an impulse in the last step
         bool disturbed = false;      // by a moving body that it touches
         bool busy = false;           // by island: none of its bodies may rest
     };

@@ -15,7 +15,7 @@ namespace {
 struct Collision {
     static constexpr float speed = 4.0f, striker_mass = 1.0f, piece_mass = 3.0f;
     static constexpr float stopping = speed * striker_mass * piece_mass / (striker_mass + piece_mass); // N s, inelastic
-    static constexpr float common = speed * striker_mass / (striker_mass + piece_mass);                // m/s, likewise
+    static constexpr float common = speed * striker_mass / (striker_mass + piece_mass);                // m/s, after it
 
     World world{empty_space};
     BodyId piece, striker;

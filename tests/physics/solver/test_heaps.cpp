@@ -83,8 +83,8 @@ void drop(const std::string& name, const fracture::TriangleMesh& mesh, uint32_t 
 // Sanitizers make a drop ten times as long, and every drop runs the same code. BRITTLE_LONG_RUNS=1 drops 75
 // (HACKING.md).
 uint64_t last_seed() {
-    const char* const wanted = std::getenv("BRITTLE_LONG_RUNS");
-    if (wanted && *wanted) return 15;
+    const char* const long_runs = std::getenv("BRITTLE_LONG_RUNS");
+    if (long_runs && *long_runs) return 15;
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
     return 1;
 #else

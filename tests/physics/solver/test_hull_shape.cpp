@@ -66,13 +66,13 @@ TEST_CASE("hull shape: support, bounds and radii match a loop over the points, f
             CHECK(glm::length(point) <= shape.rotation_radius());
         for (int i = 0; i < 20; ++i) {
             const glm::vec3 direction = random_points(1, 1.0f, random)[0];
-            float most = -1e9f, most_in_world = -1e9f;
+            float most = -1e9f, max_in_world = -1e9f;
             for (const glm::vec3& point : points) {
                 most = std::max(most, glm::dot(direction, point));
-                most_in_world = std::max(most_in_world, glm::dot(direction, frame * point));
+                max_in_world = std::max(max_in_world, glm::dot(direction, frame * point));
             }
             CHECK(close(shape.support(direction), most, 4.0f));
-            CHECK(close(support(shape, frame, direction), most_in_world, 20.0f));
+            CHECK(close(support(shape, frame, direction), max_in_world, 20.0f));
             const int at = shape.support_index(direction);
             REQUIRE((at >= 0 && at < count));
             CHECK(close(glm::dot(direction, points[static_cast<size_t>(at)]), most, 4.0f));
