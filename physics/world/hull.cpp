@@ -6,6 +6,7 @@
 #include <limits>
 #include <optional>
 
+// All that Brittle uses of Bullet outside physics/bullet: a convex hull in exact integer arithmetic.
 #include <LinearMath/btConvexHullComputer.h>
 #include <glm/geometric.hpp>
 

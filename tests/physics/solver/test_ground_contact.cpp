@@ -40,7 +40,7 @@ ContactStep step_above(float ground_height) {
 class OnGround {
   public:
     OnGround(HullShape hull, float ground_height) : step_(step_above(ground_height)) {
-        auto form = std::make_shared<BodyForm>();
+        auto form = std::make_shared<SolverForm>();
         form->shape = std::move(hull);
         body.form = std::move(form);
         body.inverse_mass = 1.0f;

@@ -24,7 +24,7 @@ struct Cube : Body {
     explicit Cube(float half) {
         std::vector<glm::vec3> corners;
         for (int i = 0; i < 8; ++i) corners.push_back(half * glm::vec3(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1));
-        auto shaped = std::make_shared<BodyForm>();
+        auto shaped = std::make_shared<SolverForm>();
         shaped->shape = HullShape(corners, 0.0f);
         form = std::move(shaped);
     }
