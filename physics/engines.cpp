@@ -1,4 +1,4 @@
-// The one place that knows both engines.
+// Creates the engine of a World. The one file that includes both engines.
 #include "physics/bullet/bullet_engine.h"
 #include "physics/solver/solver.h"
 #include "physics/world/engine.h"

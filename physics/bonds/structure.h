@@ -104,7 +104,8 @@ class Structure {
     // returned motion is that of the fragments' coordinate system: parts that the piece is cut into continue it
     // (StructureDesc::motion).
     std::optional<PlacedMotion> take_piece(World& world, uint32_t piece);
-    // Removes the body of a piece, with all its pieces, from world and structure. The bonds of these pieces break.
+    // Removes the body of a piece, with all its pieces, from world and structure; to remove one of several pieces would
+    // change the mass of a moving body. The bonds of these pieces break.
     void remove_body(World& world, uint32_t piece);
     // Removes all bodies from the world.
     void remove(World& world);
