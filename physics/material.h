@@ -43,9 +43,9 @@ inline constexpr float impact_seconds = 1e-4f;
 inline constexpr float flawed_strength = 0.1f;
 
 // Strength of a real object under a permanent load, as a share of its material's handbook strength: the default of
-// WearSettings and HeldBlockSettings. At full handbook strength a model of one metre would carry a hundred times its own
-// weight, and nothing would ever fall. At a twentieth, as with old mortar, a concrete slab over a gap of one metre just
-// carries itself if its thickness is a sixth of the gap.
+// WearSettings and HeldBlockSettings. At full handbook strength a model of one metre would carry a hundred times its
+// own weight, and nothing would ever fall. At a twentieth, as with old mortar, a concrete slab over a gap of one metre
+// just carries itself if its thickness is a sixth of the gap.
 inline constexpr float sustained_strength = 0.05f;
 
 // The material with its tensile, compressive and shear strength multiplied by `factor`. Its fracture energy stays.

@@ -6,17 +6,14 @@
 // pass without touching, slide or part.
 //
 // - No body passes through a fixed one. Pairs of moving bodies are searched only if they might be separated on the
-// wrong
-//   side: in a heap that forms, a search of every pair costs more than all contacts.
+//   wrong side: in a heap that forms, a search of every pair costs more than all contacts.
 // - Of two bodies that meet, the one that is slow for its own thickness moves on: it gets no deeper than in other
-// steps.
+//   steps.
 // - A body does not stop at a moving crumb, whose reach is a fraction of its thickness, nor at a much lighter body: a
-// ball among
-//   splinters would stand still. Speculative contacts push these bodies (hull_contact.h).
+//   ball among splinters would stand still. Speculative contacts push these bodies (hull_contact.h).
 // - The search uses the velocities after contacts, so that a body that bounces off one does not pass through the next.
 // - The ground is left out, because its contacts are speculative (ground_contact.h). So are pairs of debris and a
-// moving
-//   body.
+//   moving body.
 // - Without a fast body, the cost is one comparison a body.
 //
 // Rejected: speculative contacts with fixed bodies. They lose no time, but split a blow over two steps and deflect

@@ -6,15 +6,13 @@
 //   separating direction is tried first, and GJK (hull_distance.h) runs only if it no longer separates them. This is
 //   exact: no touching pair is missed.
 // - Complete contacts. They follow the bodies until these have moved against each other by a two-hundredth of the
-// smaller
-//   hull's radius.
+//   smaller hull's radius.
 //
 // Special cases:
 //
 // - Siblings that move as one count as having a gap (siblings.h).
 // - On a hull three times as large, a floor or a wall, all lower corners of a moving hull become contacts at once. With
-// one
-//   new contact a step it would turn on that corner, come down on the next, and sink in corner by corner.
+//   one new contact a step it would turn on that corner, come down on the next, and sink in corner by corner.
 // - Speculative contacts are made before the hulls touch, as far ahead as the two can approach in the step. Debris has
 //   them; a body that a much heavier one may pass over in the step, while the two move against each other; and two
 //   bodies of similar mass that approach by a quarter of the thinner one's thickness. Except for debris they are placed

@@ -2,8 +2,7 @@
 // equations; comments here use its letters.
 //
 // - Order of rows: the first points of all pairs, then all second points, and so on. Neighbouring rows then share at
-// most
-//   one body, and the processor overlaps their work. Rejected: graph colouring of rows, which was no faster.
+//   most one body, and the processor overlaps their work. Rejected: graph colouring of rows, which was no faster.
 // - Rows against static bodies come last, so that each sweep ends without velocity into the ground. Otherwise a heavy
 //   piece presses a light one below it millimetres into the ground and holds it there.
 // - A sweep over contact rows is followed by a sweep over their friction rows.
@@ -13,8 +12,7 @@
 // - One friction direction a point: the direction of sliding. Points that do not slide alternate between two tangents.
 //   There are no joints and no rolling friction.
 // - The contact point of two moving bodies is midway across the gap or overlap. With a point on each body, the lever
-// arms
-//   of friction would differ by the gap and turn the bodies too much.
+//   arms of friction would differ by the gap and turn the bodies too much.
 // - A resting body (sleeping.h) has infinite mass; between two resting bodies impulses stay constant.
 // - Warm starting: lambda starts from 0.85 of the point's last impulse.
 //

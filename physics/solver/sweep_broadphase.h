@@ -7,10 +7,9 @@
 // each other, because debris does not collide with debris.
 //
 // - Pairs are ordered by the ranks of their proxies, and ranks are in order of addition: nothing depends on addresses
-// or
-//   on earlier steps.
+//   or on earlier steps.
 // - The contacts of a pair live as long as its bounds overlap in every step, and end when one of its proxies is
-// removed.
+//   removed.
 // - A sleeping body costs the comparison of one coordinate.
 // - Time is proportional to the pairs that overlap along the axis: n^(5/3) for n pieces of one object.
 // - Not thread-safe; sweeps on several threads itself.
