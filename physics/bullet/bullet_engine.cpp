@@ -19,11 +19,11 @@ namespace {
 
 constexpr float units = 10.0f; // Bullet's lengths per metre
 
-// Axes, angular velocities.
+// Quantities without a factor of length: axes, angular velocities.
 btVector3 to_bullet(const glm::vec3& v) {
     return {v.x, v.y, v.z};
 }
-// Positions, velocities, accelerations, impulses: whatever has one metre in it.
+// Quantities with one factor of length: positions, velocities, accelerations, impulses.
 btVector3 metres_to_bullet(const glm::vec3& v) {
     return to_bullet(v * units);
 }
@@ -60,7 +60,7 @@ struct BulletBody {
     std::vector<std::unique_ptr<btConvexHullShape>> hulls;
     std::unique_ptr<btCompoundShape> compound; // null for one hull
     std::unique_ptr<btRigidBody> rigid;
-    // As the last step began: the frame, and the velocity with the step's gravity; and the velocity after the step.
+    // At the start of the last step: the frame, and the velocity with the step's gravity. Then the velocity after it.
     btTransform step_start = btTransform::getIdentity();
     Velocity unhindered, solved;
 
@@ -180,7 +180,7 @@ btConvexHullShape& BulletEngine::add_hull(BulletBody& body, const CollisionHull&
     return *body.hulls.emplace_back(std::move(shape));
 }
 
-// Bullet's continuous collision: a sphere that fits into the body is swept against fixed ones.
+// Bullet's continuous collision sweeps a sphere that fits into the body against fixed bodies.
 void BulletEngine::set_ccd(BulletBody& body) const {
     float thickness = BT_LARGE_FLOAT;
     for (const auto& hull : body.hulls)
@@ -342,7 +342,7 @@ void BulletEngine::set_velocity(size_t index, const glm::vec3& linear, const glm
     bodies_[index]->rigid->setAngularVelocity(to_bullet(angular));
 }
 
-// Other changes of velocity since the step stay.
+// Other changes of velocity since the step remain.
 float BulletEngine::rewind(size_t index) {
     BulletBody& body = *bodies_[index];
     wake(index);

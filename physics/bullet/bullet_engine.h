@@ -1,15 +1,16 @@
-// A World on stock Bullet, whole and unmodified: the reference that the solver's tests compare with, and a choice of
-// the user (WorldSettings::engine).
+// An Engine on stock, unmodified Bullet: the reference of the solver's tests, and a choice of the user
+// (WorldSettings::engine).
 //
-// World's promises that need more than stock Bullet do not hold:
-// - No air drag. Debris is marked by WorldSettings::debris_size and BodyDesc::debris; it does not collide with other
-//   debris, but with everything else, however small; partner_size_factor() is not applied.
-// - Bullet finds one contact of a pair a step and gathers more over time; contacts() has the impulses of those. Fast
-//   bodies stop at fixed ones by Bullet's swept spheres. Sleeping is by speed and time alone.
+// It differs from World's manual where stock Bullet lacks a feature:
+// - No air drag. Debris (WorldSettings::debris_size, BodyDesc::debris) does not collide with other debris, but with all
+//   other bodies of any size; partner_size_factor() is not applied.
+// - Bullet finds one contact point of a pair in a step and accumulates more over time; contacts() lists them. Bullet's
+//   swept spheres stop fast bodies at fixed ones. Sleeping depends on speed and time alone.
 // - One thread. Bullet keeps globals, so a mutex lets one World on Bullet step at a time; Worlds on the solver do not
 //   wait. States repeat for the same calls with one build of Bullet.
 //
-// Bullet counts in decimetres here: in metres its collision detection drops points less than a centimetre apart.
+// Bullet's unit of length is the decimetre here: with metres, its collision detection drops points less than a
+// centimetre apart.
 #pragma once
 
 #include <memory>
@@ -18,7 +19,7 @@
 
 namespace brittle::physics {
 
-// The settings are valid.
+// Precondition: the settings are valid.
 [[nodiscard]] std::unique_ptr<Engine> make_bullet_engine(const WorldSettings& settings);
 
 } // namespace brittle::physics

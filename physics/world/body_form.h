@@ -1,4 +1,5 @@
-// A body without its place and its world, made ahead by make_form(), on any thread; bodies may share it.
+// The part of a body that depends on neither its pose nor its world. make_form() makes it ahead, on any thread; bodies
+// may share it.
 #pragma once
 
 #include <glm/mat3x3.hpp>
@@ -7,7 +8,7 @@
 
 namespace brittle::physics {
 
-// The facts that every engine needs. An engine may derive from it to keep what it computes ahead.
+// The data that every engine reads. An engine derives from it to store what it computes ahead.
 struct BodyForm {
     BodyForm() = default;
     BodyForm(const BodyForm&) = delete;

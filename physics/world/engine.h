@@ -1,5 +1,5 @@
-// The engine behind a World: it keeps bodies, finds their contacts and takes one step. World adds handles, time and
-// interpolation.
+// The engine of a World: the interface that stores bodies, finds their contacts and takes one step. World adds handles,
+// time and interpolation.
 //
 // Two engines implement it: Brittle's own solver (solver/solver.h), the default, and stock Bullet
 // (bullet/bullet_engine.h). A body is named by its index in body order; remove() moves later bodies up by one. World
@@ -20,9 +20,9 @@
 
 namespace brittle::physics {
 
-// Bodies that are awake.
+// Numbers of awake bodies.
 struct AwakeCount {
-    size_t colliding = 0; // that collide with each other
+    size_t colliding = 0; // without debris
     size_t debris = 0;
 
     [[nodiscard]] size_t& of(bool is_debris) { return is_debris ? debris : colliding; }
@@ -38,15 +38,15 @@ class Engine {
     // Describes a body of a batch: returns the description, for which the call may fill `storage`. Called on several
     // threads, and again for the same body, with the same answer.
     using Describe = std::function<const BodyDesc&(size_t body, BodyDesc& storage)>;
-    // Appends `count` bodies, all or none, with the handles first, first + 1, ...; writes the pose that each had a step
-    // ago. Fails as World::add_body().
+    // Appends `count` bodies, all or none, with the handles first, first + 1, ...; writes the pose of each one
+    // step ago. Fails as World::add_body().
     virtual Result<void> add(size_t count, BodyId first, const Describe& describe, std::span<Pose> previous) = 0;
     // Removes a body and wakes the bodies that touch it.
     virtual void remove(size_t body) = 0;
 
     // Advances by WorldSettings::step.
     virtual void step() = 0;
-    // By body: whether the last step changed its pose. Valid until bodies come or go.
+    // By body: whether the last step changed its pose. Valid until bodies are added or removed.
     [[nodiscard]] virtual std::span<const uint8_t> moved() const = 0;
     [[nodiscard]] virtual AwakeCount awake_count() const = 0;
 
@@ -80,14 +80,14 @@ class Engine {
     virtual void debug_lines(std::vector<DebugLine>& out, const DebugDraw& draw) = 0;
 };
 
-// Makes the engine that WorldSettings::engine names. The settings are valid. In physics/engines.cpp, so that World
-// depends on neither.
+// Makes the engine that WorldSettings::engine names. Precondition: the settings are valid. physics/engines.cpp defines
+// it, so that World depends on neither engine.
 [[nodiscard]] std::unique_ptr<Engine> make_engine(const WorldSettings& settings);
 
-// Contact points further apart than this, m, are near but do not touch: World::contact_count(), debug lines.
+// m; contact points with a larger gap do not count as touching (World::contact_count(), debug lines).
 inline constexpr float touching_distance = 1e-3f;
 
-// What World::debug_lines() draws.
+// Colour and lines of World::debug_lines().
 [[nodiscard]] inline glm::vec3 hull_colour(bool awake) {
     return awake ? glm::vec3(1.0f, 0.1f, 0.1f) : glm::vec3(0.35f, 0.05f, 0.05f);
 }

@@ -18,10 +18,10 @@ namespace brittle::physics {
 struct World::Impl {
     WorldSettings settings;
     std::unique_ptr<Engine> engine;
-    std::vector<BodyId> ids;           // ascending, as they are given in that order
+    std::vector<BodyId> ids;           // ascending
     std::vector<uint64_t> moved_steps; // World::last_moved_step()
     std::vector<Pose> previous;        // before the last step
-    uint32_t next_id = 0;              // never goes back
+    uint32_t next_id = 0;              // only grows
     uint32_t last_siblings = 0;
     uint64_t removed = 0;
     uint64_t steps = 0;
@@ -29,7 +29,7 @@ struct World::Impl {
 
     explicit Impl(const WorldSettings& given) : settings(given), engine(make_engine(given)) {}
 
-    // By halving: a table by number would grow for ever where things break again and again.
+    // A binary search: a table indexed by handle would grow without bound in runs that keep breaking bodies.
     [[nodiscard]] std::optional<size_t> find(BodyId id) const {
         const auto at = std::ranges::lower_bound(ids, id);
         return at != ids.end() && *at == id ? std::optional(static_cast<size_t>(at - ids.begin())) : std::nullopt;
@@ -138,7 +138,8 @@ uint64_t World::steps_taken() const {
 }
 
 void World::step() {
-    impl_->engine->write_poses(impl_->moved_steps, impl_->steps, impl_->previous); // those of the others are known
+    impl_->engine->write_poses(impl_->moved_steps, impl_->steps,
+                               impl_->previous); // poses of other bodies are unchanged
     impl_->engine->step();
     ++impl_->steps;
     const std::span<const uint8_t> moved = impl_->engine->moved();
@@ -154,7 +155,8 @@ float World::advance(double seconds, const std::function<void()>& after_step) {
         if (after_step) after_step();
         impl_->pending_seconds -= step_seconds;
     }
-    // Time that is left over would only grow from frame to frame: a slow machine gets slow motion, not a standstill.
+    // Drops the remaining time, which would otherwise grow from frame to frame: a slow machine gets slow motion instead
+    // of a standstill.
     if (impl_->pending_seconds >= step_seconds)
         impl_->pending_seconds = std::fmod(impl_->pending_seconds, step_seconds);
     return static_cast<float>(impl_->pending_seconds / step_seconds);
@@ -215,7 +217,8 @@ void World::set_velocity(BodyId id, glm::vec3 linear, glm::vec3 angular) {
 float World::rewind(BodyId id) {
     const size_t body = impl_->index_of(id);
     if (!impl_->engine->fixed(body)) return impl_->engine->rewind(body);
-    return impl_->moved_steps[body] < impl_->steps ? impl_->settings.step : 0.0f; // it may have come after the step
+    return impl_->moved_steps[body] < impl_->steps ? impl_->settings.step
+                                                   : 0.0f; // or 0 for a body added after the step
 }
 
 void World::move_on(BodyId id, float seconds) {

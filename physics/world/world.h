@@ -2,8 +2,8 @@
 //
 // Right-handed, Y up, metres, kilograms, seconds, radians. Vectors are in world coordinates unless stated.
 //
-// Two engines stand behind one World (WorldSettings::engine): Brittle's own solver, the default, for which all of the
-// following holds, and stock Bullet as a reference (bullet/bullet_engine.h names what does not hold there).
+// WorldSettings::engine chooses between two engines: Brittle's own solver, the default, for which all of the following
+// holds, and stock Bullet as a reference (bullet/bullet_engine.h lists its differences).
 //
 // - A body's frame has its origin at the centre of mass. Its pose maps body coordinates to the world:
 //   world = position + orientation * local. The inertia tensor may be any symmetric one in that frame.
@@ -62,7 +62,7 @@ struct WorldSettings {
     EngineKind engine = EngineKind::solver;
     glm::vec3 gravity{0.0f, -9.81f, 0.0f};     // m/s^2
     float step = 1.0f / 120.0f;                // s; longer steps let piles sag, shorter ones cost in proportion
-    uint32_t threads = 0;                      // that share a step; 0: one per core. Results do not depend on it
+    uint32_t threads = 0;                      // of a step; 0: one per core. Results do not depend on their number
     uint32_t max_substeps = 4;                 // steps that one advance() may take; time beyond them is dropped
     std::optional<float> ground_height = 0.0f; // m, a plane y = height, solid below; nothing: no ground
     float ground_friction = 0.6f;              // Coulomb coefficient, multiplied by a body's friction
@@ -75,25 +75,25 @@ struct WorldSettings {
     float air_density = 1.2f;
     uint32_t solver_iterations =
         20; // sweeps over all contacts; more make stiffer piles, ten more cost a tenth of a step
-    // m/s, at most, at which overlapping hulls are moved apart. Hulls of pieces that are not convex overlap their
-    // neighbours from the start: a high speed drives them apart visibly, a low one lets hard impacts overlap for
-    // longer. The correction leaves velocities as they are.
+    // m/s, upper bound of the speed at which overlapping hulls are moved apart. Hulls of pieces that are not convex
+    // overlap their neighbours from the start: a high speed drives them apart visibly, a low one lets hard impacts
+    // overlap for longer. The correction leaves velocities as they are.
     float separation_speed = 0.2f;
     // m. A moving body whose longest side is below this is debris. It collides with the ground, with fixed bodies,
-    // and with moving ones that are no debris and at least twice as long (or BodyDesc::large), but not with bodies of
-    // its own size. The hundreds of crumbs of a blow then cost a tenth. Where debris comes by the thousand, the
-    // factor of two grows (partner_size_factor() in crowd.h). 0: no debris.
+    // and with moving bodies that are not debris and at least twice as long (or BodyDesc::large), but not with bodies
+    // of its own size. The hundreds of crumbs of a blow then cost a tenth. With thousands of debris bodies the factor
+    // of two grows (partner_size_factor() in crowd.h). 0: no debris.
     float debris_size = 0.02f;
-    // The number of awake bodies that collide with each other, up to which pieces of broken objects are added to
-    // them. Beyond it the smaller new pieces are debris, whatever their size (crowd.h), which keeps a step from
-    // growing with every break: a thousand more colliding pieces make it two to three times as long, as much debris a
-    // third. The price is that such pieces overlap. A piece's kind is decided when it is added and does not change.
-    // 0: no limit, for runs that need no real time.
+    // Limit on awake bodies that collide with each other. Beyond it the smaller pieces of a broken object are added as
+    // debris, whatever their size (crowd.h), so that a step does not grow with every break: a thousand more colliding
+    // pieces make it two to three times as long, a thousand more debris pieces a third longer. The price is that these
+    // pieces overlap. A piece's kind is decided when it is added and does not change. 0: no limit, for runs that need
+    // not be real-time.
     uint32_t max_colliding = 500;
     // A body that touches something and stays below both speeds comes to rest: after half of the time its remaining
     // jitter is damped, after all of it the body sleeps, together with all bodies that it touches, until something
-    // disturbs it. A body that only rocks in place, or trembles in a heap of which nine tenths of the mass are at
-    // rest, sleeps after two to three times as long. A body that touches nothing never sleeps.
+    // disturbs it. A body that only rocks in place, or trembles in a heap with nine tenths of its mass at rest,
+    // sleeps after two to three times as long. A body that touches nothing never sleeps.
     bool sleeping = true;
     float sleep_linear_speed = 0.08f; // m/s
     float sleep_angular_speed = 0.8f; // rad/s
@@ -129,20 +129,20 @@ struct BodyForm; // body_form.h; see make_form()
 struct BodyDesc {
     CollisionHull hull{};          // relative to the centre of mass, in body axes
     std::vector<BodyPart> parts{}; // if any, these are the body's hulls, in place of hull
-    // If not null, it stands for hull, parts, fixed, mass and inertia, which are then not read; bodies may share it.
+    // If not null, it replaces hull, parts, fixed, mass and inertia, which are then not read; bodies may share it.
     std::shared_ptr<const BodyForm> form{};
     // Never moves. Fixed bodies collide neither with each other nor with the ground, and are never awake. Velocities
     // and inertia are not read, and mechanics() is zero.
     bool fixed = false;
     bool debris = false; // whatever its size (WorldSettings::debris_size); a fixed body never is
-    bool large = false;  // debris collides with it however small it is, unless it is debris itself: a ball that is shot
-    // Pieces of one cut, added between the same two steps, which do not overlap: a number of World::new_siblings(), 0
-    // for none. While they fly as one rigid body, no contacts between them are searched.
+    bool large = false;  // collides with debris at any size, unless it is debris itself; for a ball that is shot
+    // Number of the cut, from World::new_siblings(), for pieces of one cut that are added between two steps and do not
+    // overlap; 0: none. While they move as one rigid body, the narrow phase skips the pairs between them.
     uint32_t siblings = 0;
     float mass = 1.0f;       // kg, > 0
     glm::mat3 inertia{1.0f}; // kg m^2 about the centre of mass in body axes; symmetric
     Pose pose{};
-    std::optional<Pose> previous{};   // a step ago, to interpolate from; nothing: as pose
+    std::optional<Pose> previous{};   // a step ago, for interpolation; empty: equal to pose
     glm::vec3 linear_velocity{0.0f};  // m/s, of the centre of mass
     glm::vec3 angular_velocity{0.0f}; // rad/s, world axes
     float friction = 0.6f;            // Coulomb coefficient; those of two bodies are multiplied
@@ -163,11 +163,11 @@ struct Contact {
     glm::vec3 normal{0.0f};   // unit, from b towards a
     float impulse = 0.0f;     // N s, on a along the normal, and on b against it; never below 0
     glm::vec3 friction{0.0f}; // N s, on a across the normal, and on b against it
-    // N s along the normal, as solved before either body broke: equal to impulse unless the contact was solved again
-    // for their parts (Structure). It decides what breaks.
+    // N s along the normal, of the solution before either body broke: equal to impulse unless the contact was solved
+    // again for the parts (Structure). Breaking is decided by it.
     float blow = 0.0f;
-    float gap = 0.0f;   // m, between the two as the step began; below 0: overlap
-    float speed = 0.0f; // m/s, at which they approached along the normal before the step; below 0: parting
+    float gap = 0.0f;   // m, at the start of the step; negative: overlap
+    float speed = 0.0f; // m/s, approach along the normal before the step; negative: separation
 };
 
 // Sums over one or all bodies, in double so that differences between steps are meaningful.
@@ -212,10 +212,10 @@ class World {
     Result<std::vector<BodyId>> add_bodies(size_t count, const std::function<BodyDesc(size_t)>& describe);
     // Returns a number for BodyDesc::siblings that was never returned before.
     uint32_t new_siblings();
-    // Removes a body and wakes the bodies that touch it; later bodies move up by one in body order. False for a
-    // handle of no body.
+    // Removes a body and wakes the bodies that touch it; later bodies move up by one in body order. Returns false if
+    // the handle names no body.
     bool remove_body(BodyId id);
-    // Removes all bodies and the history: the world then behaves as a new one. Handles are not reused.
+    // Removes all bodies and the history: the world then behaves like a new one. Handles are not reused.
     void clear();
     // Continues with other settings, which must be valid.
     void clear(const WorldSettings& settings);
@@ -262,15 +262,15 @@ class World {
     // fixed one.
     void set_velocity(BodyId id, glm::vec3 linear, glm::vec3 angular);
 
-    // Undoing the contacts of a step, for bodies that break in it (Structure). rewind() moves a body back to where
-    // the step began, with its velocity of then and a step of gravity, and returns the time, s, that it still has to
-    // move; the caller applies impulses anew and then calls move_on(). All contacts of the body must be amended, and
-    // their effects on other bodies be undone as well. Other changes of velocity since the step stay. A fixed body
-    // stays where it is; one that came after the step has no time left.
+    // Undoes the contacts of the last step for a body that breaks in it (Structure): restores the pose at the start of
+    // the step and the velocity of that time plus a step of gravity, and returns the time, s, that the body still has
+    // to move. The caller applies impulses anew and then calls move_on(). It must amend all contacts of the body and
+    // undo their effects on other bodies. Other changes of velocity since the step remain. A fixed body is unchanged; a
+    // body that was added after the step has no time left.
     float rewind(BodyId id);
-    // Moves a body for so long at its velocity, without contacts.
+    // Moves a body for `seconds` at its velocity, without contacts.
     void move_on(BodyId id, float seconds);
-    // Replaces one of contacts(), which must have been called since the step, by what became of it.
+    // Replaces an entry of contacts(), which must have been called since the step.
     void amend_contact(size_t index, const Contact& contact);
 
     // The speed, m/s, that an impulse of 1 N s along a unit direction gives the body's point along it: the inverse of
@@ -278,19 +278,20 @@ class World {
     [[nodiscard]] float response(BodyId id, glm::vec3 point, glm::vec3 direction) const;
     void wake_all();
 
-    // The contacts of the last step, in a fixed order. Sleeping bodies press as they did when they fell asleep. The
-    // velocities of the bodies include these impulses. Bodies that were removed since are still named; a body that
-    // their removal woke is listed again after the next step. Valid until the next step.
+    // The contacts of the last step, in a fixed order. Contacts between sleeping bodies have the impulses of the time
+    // when the bodies fell asleep. The velocities of the bodies include these impulses. Contacts of bodies that were
+    // removed since the step stay in the list; those of bodies that a removal woke appear again after the next step.
+    // Valid until the next step.
     [[nodiscard]] std::span<const Contact> contacts() const;
-    // The first part of contacts(): those with an awake body, which are all that the step has changed. Where
-    // thousands sleep, it costs a tenth. Valid until contacts() is called, or the next step.
+    // The first part of contacts(): the contacts with an awake body, the only ones that the step changed. With
+    // thousands of sleeping bodies it costs a tenth of contacts(). Valid until contacts() is called, or the next step.
     [[nodiscard]] std::span<const Contact> solved_contacts() const;
 
     [[nodiscard]] Mechanics mechanics() const;
-    // Counted in each step: these two calls cost nothing.
+    // Each step counts these bodies; the calls take constant time.
     [[nodiscard]] size_t awake_count() const;
     [[nodiscard]] size_t colliding_count() const; // awake bodies without debris
-    [[nodiscard]] size_t contact_count() const;   // points that touch, without those that are near
+    [[nodiscard]] size_t contact_count() const;   // contact points that touch
 
     // Hash of all poses, velocities and sleeping states in body order.
     [[nodiscard]] uint64_t state_hash() const;
