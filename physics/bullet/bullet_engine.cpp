@@ -63,6 +63,7 @@ struct BulletBody {
     // At the start of the last step: the frame, and the velocity with the step's gravity. Then the velocity after it.
     btTransform step_start = btTransform::getIdentity();
     Velocity unhindered, solved;
+    float rewind_seconds = 0.0f; // from that frame to the present one; 0 for a body that was added after the step
 
     [[nodiscard]] Velocity velocity() const { return {rigid->getLinearVelocity(), rigid->getAngularVelocity()}; }
     [[nodiscard]] Pose pose() const {
@@ -294,6 +295,7 @@ void BulletEngine::step() {
     const btVector3 fall = world_.getGravity() * settings_.step;
     for (const auto& body : bodies_) {
         body->step_start = body->rigid->getWorldTransform();
+        body->rewind_seconds = settings_.step;
         body->unhindered = body->velocity();
         if (!body->fixed && body->rigid->isActive()) body->unhindered.linear += fall;
     }
@@ -350,12 +352,13 @@ float BulletEngine::rewind(size_t index) {
     body.rigid->setLinearVelocity(body.rigid->getLinearVelocity() + body.unhindered.linear - body.solved.linear);
     body.rigid->setAngularVelocity(body.rigid->getAngularVelocity() + body.unhindered.angular - body.solved.angular);
     body.unhindered = body.solved = body.velocity();
-    return settings_.step;
+    return body.rewind_seconds;
 }
 
 void BulletEngine::move_on(size_t index, float seconds) {
     BulletBody& body = *bodies_[index];
     body.step_start = body.rigid->getWorldTransform();
+    body.rewind_seconds = seconds;
     btTransform ahead;
     body.rigid->predictIntegratedTransform(seconds, ahead);
     body.rigid->setCenterOfMassTransform(ahead);
