@@ -1,4 +1,4 @@
-// The options of WorldOptions: bonds, anchors, shots, breaking at runtime, limits.
+// The options of WorldOptions: engine, bonds, anchors, shots, breaking at runtime, limits.
 #include <vector>
 
 #include "tools/brittle/commands/option_groups.h"
@@ -7,6 +7,20 @@
 namespace brittle::tools {
 
 namespace {
+
+void add_engine_option(CLI::App& command, WorldOptions& world) {
+    const auto set_engine = [&world](const std::string& name) {
+        world.engine = name == "bullet" ? physics::EngineKind::bullet : physics::EngineKind::solver;
+    };
+    command
+        .add_option_function<std::string>(
+            "--physics", set_engine,
+            "Physics engine. solver: Brittle's own. bullet: stock Bullet, a reference for comparison, which ignores "
+            "--air-density.")
+        ->check(CLI::IsMember({"solver", "bullet"}))
+        ->type_name("NAME")
+        ->default_str("solver");
+}
 
 void add_bond_options(CLI::App& command, WorldOptions& world) {
     command.add_flag("--bonded", world.bonded,
@@ -91,6 +105,7 @@ void add_air_and_crowd_options(CLI::App& command, WorldOptions& world) {
 } // namespace
 
 void add_world_options(CLI::App& command, WorldOptions& world) {
+    add_engine_option(command, world);
     add_bond_options(command, world);
     add_breaking_options(command, world);
     add_air_and_crowd_options(command, world);

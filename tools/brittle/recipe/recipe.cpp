@@ -99,6 +99,7 @@ Json brick_json(const physics::RunningBond& bond) {
 Json world_json(const WorldOptions& world) {
     const WorldOptions plain;
     Json json = Json::object();
+    if (world.engine != plain.engine) json["physics"] = physics::to_string(world.engine);
     if (world.bonded) json["bonded"] = true;
     if (world.anchored) json["anchored"] = true;
     if (world.height != plain.height) json["height"] = world.height;
@@ -281,7 +282,16 @@ void read_brick(JsonReader& reader, physics::RunningBond& bond) {
     bond.brick = exchanged(size, bond.along);
 }
 
+void read_engine(JsonReader& reader, physics::EngineKind& engine) {
+    std::string name = physics::to_string(engine);
+    reader.text("physics", name);
+    if (name != "solver" && name != "bullet")
+        throw reader.failure("physics", "expected \"solver\" or \"bullet\", found " + shown(name));
+    engine = name == "bullet" ? physics::EngineKind::bullet : physics::EngineKind::solver;
+}
+
 void read_world(const std::filesystem::path& file, const std::string& path, JsonReader& reader, WorldOptions& world) {
+    read_engine(reader, world.engine);
     reader.flag("bonded", world.bonded);
     reader.flag("anchored", world.anchored);
     reader.number("height", world.height, 0.0, 100.0);

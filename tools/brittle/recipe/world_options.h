@@ -10,6 +10,7 @@
 
 #include "fracture/sites/pattern.h"
 #include "physics/cutting/running_bond.h"
+#include "physics/world/world.h"
 
 namespace brittle::tools {
 
@@ -43,6 +44,7 @@ struct BlowPattern {
 };
 
 struct WorldOptions {
+    physics::EngineKind engine = physics::EngineKind::solver;
     bool bonded = false;      // pieces hold together until blows, loads or wear break their bonds
     bool anchored = false;    // parts that stand on the ground are fixed; bonded, unless breakable
     double height = 0.5;      // m, initial height of the mesh above the ground; ignored if anchored

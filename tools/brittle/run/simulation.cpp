@@ -136,6 +136,7 @@ void Simulation::start(const fracture::Fragments& fragments, const WorldOptions&
 void Simulation::start(const fracture::Fragments& fragments, const WorldOptions& options, PreparedBodies ahead) {
     clear();
     physics::WorldSettings settings = world_.settings();
+    settings.engine = options.engine;
     settings.air_density = static_cast<float>(options.air_density);
     settings.max_colliding = options.max_colliding;
     world_.clear(settings);

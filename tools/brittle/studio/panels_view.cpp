@@ -57,13 +57,28 @@ void frame_graph(const FrameTimes& times, float scale) {
     }
 }
 
+// The menu of the panel's header. Returns whether the choice changed.
+bool engine_menu(physics::EngineKind& engine) {
+    tip("Right click: choose the physics engine");
+    if (!ImGui::BeginPopupContextItem("physics engine")) return false;
+    const physics::EngineKind before = engine;
+    ImGui::TextDisabled("Physics engine, from the next break on");
+    if (ImGui::RadioButton("Brittle's solver", engine == physics::EngineKind::solver))
+        engine = physics::EngineKind::solver;
+    if (ImGui::RadioButton("Stock Bullet", engine == physics::EngineKind::bullet)) engine = physics::EngineKind::bullet;
+    tip("A reference for comparison; there is no drag of the air");
+    ImGui::EndPopup();
+    return engine != before;
+}
+
 } // namespace
 
 void Panels::simulation_panel(const PanelState& state) {
     if (!begin_panel("Simulation")) return;
     Session& session = state.session;
     WorldOptions world = session.recipe().world;
-    bool changed = toggle("Bonded", "Pieces hold together until blows or loads break their bonds", world.bonded);
+    bool changed = engine_menu(world.engine);
+    changed |= toggle("Bonded", "Pieces hold together until blows or loads break their bonds", world.bonded);
     second_column();
     changed |=
         toggle("Anchored", "Parts that stand on the ground are fixed, and the pieces are bonded", world.anchored);
