@@ -63,9 +63,10 @@ bool engine_menu(physics::EngineKind& engine) {
     if (!ImGui::BeginPopupContextItem("physics engine")) return false;
     const physics::EngineKind before = engine;
     ImGui::TextDisabled("Physics engine, from the next break on");
-    if (ImGui::RadioButton("Brittle's solver", engine == physics::EngineKind::solver))
+    if (ImGui::MenuItem("Brittle's solver", nullptr, engine == physics::EngineKind::solver))
         engine = physics::EngineKind::solver;
-    if (ImGui::RadioButton("Stock Bullet", engine == physics::EngineKind::bullet)) engine = physics::EngineKind::bullet;
+    if (ImGui::MenuItem("Stock Bullet", nullptr, engine == physics::EngineKind::bullet))
+        engine = physics::EngineKind::bullet;
     tip("A reference for comparison; there is no drag of the air");
     ImGui::EndPopup();
     return engine != before;
