@@ -51,6 +51,33 @@ TEST_CASE("a missing or unknown command and bad options are usage errors that na
     CHECK(folder.files() == 0);
 }
 
+TEST_CASE("--physics chooses the engine, overrides the recipe's and is saved in one") {
+    const Folder folder;
+    const std::string plain = "render shape:cube -n 2 --frames 3 --size 64x48 -o " + (folder / "a.png");
+    const std::string recipe = folder / "recipe.json";
+    const Outcome bullet = run_brittle(folder, plain + " --physics bullet --save-recipe " + recipe);
+    INFO(bullet.output);
+    if (no_vulkan(bullet)) return;
+    CHECK(bullet.exit_code == 0);
+    CHECK(nlohmann::json::parse(read_text(recipe))["world"]["physics"] == "bullet");
+    CHECK(run_brittle(folder, "render --recipe " + recipe + " --physics solver --frames 3 --size 64x48 -o "
+                                  + (folder / "b.png") + " --save-recipe " + (folder / "other.json"))
+              .exit_code
+          == 0);
+    CHECK_FALSE(nlohmann::json::parse(read_text(folder / "other.json")).contains("world"));
+}
+
+TEST_CASE("--physics refuses another word and names the choices, in render and demo") {
+    const Folder folder;
+    for (const std::string command : {"render", "demo"}) {
+        const Outcome outcome = run_brittle(folder, command + " shape:cube --physics magic");
+        INFO(outcome.output);
+        CHECK(outcome.exit_code == 2);
+        for (const char* word : {"--physics", "solver", "bullet", "magic"}) CHECK(outcome.has(word));
+        CHECK(run_brittle(folder, command + " --help").has("--physics"));
+    }
+}
+
 TEST_CASE("--most-colliding is a hidden alias of --max-colliding") {
     const Folder folder;
     CHECK_FALSE(run_brittle(folder, "render --help").has("--most-colliding"));

@@ -67,6 +67,31 @@ TEST_CASE("a run recorded by render repeats without a device, and is drawn again
         CHECK(read_text(folder / "a_" + number + ".png") == read_text(folder / "b_" + number + ".png"));
 }
 
+TEST_CASE("a run on stock Bullet repeats in another process, and its log names the engine") {
+    const Folder folder;
+    for (const std::string mesh : {"shape:wall --material concrete --pattern bricks -n 30 --anchored",
+                                   "shape:wall --material wood --breakable --anchored"}) {
+        CAPTURE(mesh);
+        const Outcome recorded = run_brittle(folder, "render " + mesh
+                                                         + " --physics bullet --shot 0.3,0.5,4,0,1,-20,0.15"
+                                                           " --frames 40 --size 64x48 --record "
+                                                         + (folder / "run.log"));
+        INFO(recorded.output);
+        if (no_vulkan(recorded)) return;
+        REQUIRE(recorded.exit_code == 0);
+        const std::string log = read_text(folder / "run.log");
+        const size_t physics = log.find(R"("physics":"bullet")");
+        REQUIRE(physics != std::string::npos);
+        const Outcome replayed = run_brittle(folder, "replay " + (folder / "run.log"));
+        INFO(replayed.output);
+        CHECK(replayed.exit_code == 0);
+        CHECK(replayed.has("79 steps, all equal"));
+        // The solver's states are others: the log's engine took effect.
+        write_text(folder / "other.log", std::string(log).replace(physics, 18, R"("physics":"solver")"));
+        CHECK(run_brittle(folder, "replay " + (folder / "other.log")).exit_code == 8);
+    }
+}
+
 TEST_CASE("render and replay export equal pieces at the end of a run") {
     const Folder folder;
     const std::string run =

@@ -61,7 +61,8 @@ FractureOptions everything() {
                        .line = {{0.0, 0.0, 0.0}, {1.0, 0.3, 1.0 / 3.0}, {1.0, 1.0, 1.0}},
                        .grading = 0.75,
                        .inside = true};
-    options.world = {.bonded = true,
+    options.world = {.engine = physics::EngineKind::bullet,
+                     .bonded = true,
                      .anchored = true,
                      .height = 1.5,
                      .air_density = 0.3,
@@ -292,6 +293,9 @@ TEST_CASE("recipe: an unknown key or a bad value is named by its path, with what
     says(R"({"brittle": 1, "strikes": [{"at": [0, 0, 0]}, {"radius": -1}]})", "/strikes/1/radius: expected a number");
     says(R"({"brittle": 1, "strikes": [{"where": 1}]})", "/strikes/0/where: unknown key");
     says(R"({"brittle": 1, "strikes": {}})", "/strikes: expected a list");
+    says(R"({"brittle": 1, "world": {"physics": "fast"}})",
+         "/world/physics: expected \"solver\" or \"bullet\", found \"fast\"");
+    says(R"({"brittle": 1, "world": {"physics": 1}})", "/world/physics: expected text in quotes, found 1");
     says(R"({"brittle": 1, "world": {"max_colliding": -1}})",
          "/world/max_colliding: expected a whole number from 0 to 1000000, found -1");
     says(R"({"brittle": 1, "world": {"max_colliding": 1000001}})", "/world/max_colliding: expected a whole number");
@@ -314,6 +318,19 @@ TEST_CASE("recipe: an unknown key or a bad value is named by its path, with what
     const std::string deep = R"(, "repair": )" + std::string(100'000, '[') + std::string(100'000, ']') + "}";
     says(R"({"brittle": 1, "mesh": ")" + std::string(200'000, ']') + "\"" + deep, "nested too deeply");
     says(std::string(size_t{2} << 20, ' '), "the recipe is larger than 1 MiB");
+}
+
+TEST_CASE("recipe: the physics engine is read by its name, and written where it is not the default") {
+    const Folder folder;
+    for (const auto engine : {physics::EngineKind::bullet, physics::EngineKind::solver}) {
+        const std::string name = physics::to_string(engine);
+        FractureOptions options = everything();
+        read_recipe(folder.write("recipe.json", R"({"brittle": 1, "world": {"physics": ")" + name + "\"}}"), options);
+        CHECK(options.world.engine == engine);
+        const auto world = nlohmann::json::parse(recipe_json(options))["world"];
+        CHECK(world.contains("physics") == (engine == physics::EngineKind::bullet));
+        CHECK(world.value("physics", "solver") == name);
+    }
 }
 
 TEST_CASE("recipe: max_colliding is also read under its former name most_colliding, and written under the new one") {

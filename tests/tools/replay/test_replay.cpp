@@ -112,6 +112,24 @@ TEST_CASE("replay: states are equal at other frame rates and with other numbers 
     }
 }
 
+TEST_CASE("replay: a run on stock Bullet repeats to the bit, bonded and breakable") {
+    const Folder folder;
+    for (const bool breakable : {false, true}) {
+        CAPTURE(breakable);
+        FractureOptions options = wall_options();
+        options.world.engine = physics::EngineKind::bullet;
+        options.world.breakable = breakable;
+        const auto actions = breakable ? std::vector(1, various_actions().front()) : various_actions();
+        const ReplayLog log = recorded(options, started(options), 120, actions, folder.path / "run.log");
+        CHECK(log.recipe.world.engine == physics::EngineKind::bullet);
+        CHECK(log.states.front().hash != log.states.back().hash);
+        CHECK_FALSE(replayed(log, started(log.recipe)));
+        ReplayLog other = log;
+        other.recipe.world.engine = physics::EngineKind::solver;
+        CHECK(replayed(other, started(other.recipe)));
+    }
+}
+
 TEST_CASE("replay: actions at any time between frames are recorded at their step") {
     const Folder folder;
     const FractureOptions options = wall_options();

@@ -1,6 +1,7 @@
 // Simulations: scheduled actions, grabbing, blows, and the poses that a frame must write.
 #include "tools/brittle/run/simulation.h"
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <string>
@@ -166,4 +167,69 @@ TEST_CASE("simulation: a grabbed piece comes to the hand, stays there, and falls
         for (int k = 0; k < 60; ++k) simulation.step();
         CHECK(before - position().y == doctest::Approx(0.5 * 9.81 * 0.25).epsilon(0.05));
     }
+}
+
+// The kinds of pieces that a run on stock Bullet may have: loose, bonded, whole and breakable, bonded and breakable.
+TEST_CASE("simulation: on stock Bullet a wall breaks and comes to rest, whatever its pieces") {
+    for (const bool breakable : {false, true})
+        for (const bool bonded : {false, true}) {
+            CAPTURE(breakable);
+            CAPTURE(bonded);
+            FractureOptions options = wall_options();
+            options.world = {
+                .engine = physics::EngineKind::bullet,
+                .bonded = bonded,
+                .height = 0.0,
+                .breakable = breakable,
+                .shots = {{.time = 0.1, .from = {0.3, 0.6, 2.0}, .velocity = {0.0, 0.0, -25.0}, .radius = 0.15}}};
+            Simulation simulation(options.material);
+            const fracture::Fragments pieces = started(options);
+            simulation.start(pieces, options.world);
+            const physics::World& world = simulation.world();
+            CHECK(world.settings().engine == physics::EngineKind::bullet);
+            const size_t bodies = world.body_count();
+            bool finite = true;
+            const auto lowest_centre = [&](uint64_t since) {
+                float lowest = 0.0f;
+                simulation.visit_poses(1.0f, since, [&](uint32_t, const physics::Pose& pose) {
+                    finite = finite && std::isfinite(glm::length(pose.position) + pose.orientation.w);
+                    lowest = std::min(lowest, pose.position.y);
+                });
+                return lowest;
+            };
+            while (simulation.steps() < 20 * 120 && (simulation.steps() < 120 || world.awake_count() > 0)) {
+                simulation.step();
+                CHECK(lowest_centre(simulation.steps()) > -0.15f); // stock Bullet's sliding bodies sink, and come up
+            }
+            CHECK(lowest_centre(0) > -1e-3f);
+            CHECK(finite);
+            CHECK(world.awake_count() == 0);
+            if (bonded || breakable) CHECK(world.body_count() > bodies + 1); // the ball is one more
+        }
+}
+
+TEST_CASE("simulation: on stock Bullet a grabbed piece comes to the hand, and equal actions give equal states") {
+    FractureOptions options = wall_options();
+    options.world.engine = physics::EngineKind::bullet;
+    const fracture::Fragments pieces = started(options);
+    uint64_t hash = 0;
+    for (int run = 0; run < 2; ++run) {
+        Simulation simulation(options.material);
+        simulation.start(pieces, options.world);
+        simulation.apply(Release{});
+        simulation.apply(Damage{{0.0, 0.5, 0.0}, 10.0, 1.0});
+        simulation.schedule(10, Grab{20, {0.0, 1.0, 0.0}});
+        simulation.schedule(11, Drag{{0.5, 1.5, 1.0}});
+        for (int k = 0; k < 240; ++k) simulation.step();
+        CHECK(simulation.world().body_count() > 1);
+        if (run > 0) CHECK(simulation.state_hash() == hash);
+        hash = simulation.state_hash();
+    }
+    // Another engine in the next start of one simulation.
+    Simulation simulation(options.material);
+    simulation.start(pieces, options.world);
+    options.world.engine = physics::EngineKind::solver;
+    simulation.start(pieces, options.world);
+    CHECK(simulation.world().settings().engine == physics::EngineKind::solver);
+    simulation.step();
 }
