@@ -72,10 +72,11 @@ TEST_CASE("a run on stock Bullet repeats in another process, and its log names t
     for (const std::string mesh : {"shape:wall --material concrete --pattern bricks -n 30 --anchored",
                                    "shape:wall --material wood --breakable --anchored"}) {
         CAPTURE(mesh);
-        const Outcome recorded = run_brittle(folder, "render " + mesh
-                                                         + " --physics bullet --shot 0.3,0.5,4,0,1,-20,0.15"
-                                                           " --frames 40 --size 64x48 --record "
-                                                         + (folder / "run.log"));
+        const Outcome recorded =
+            run_brittle(folder, "render " + mesh
+                                    + " --physics bullet --shot 0.3,0.5,4,0,1,-20,0.15"
+                                      " --frames 40 --every 40 --size 64x48 -o "
+                                    + (folder / "a_%02d.png") + " --record " + (folder / "run.log"));
         INFO(recorded.output);
         if (no_vulkan(recorded)) return;
         REQUIRE(recorded.exit_code == 0);
