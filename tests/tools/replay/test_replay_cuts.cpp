@@ -24,7 +24,7 @@ FractureOptions breakable_options(bool bonded) {
     FractureOptions options = wall_options();
     options.world.breakable = true;
     options.world.bonded = bonded;
-    options.world.min_size = 0.04;
+    options.world.min_size = 0.07; // m: small enough for pieces that are cut again, and a few seconds a run
     if (!bonded) options.mesh = "shape:icosphere:2";
     return options;
 }
