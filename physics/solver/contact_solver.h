@@ -5,7 +5,6 @@
 // report equals the moment of its impulses.
 #pragma once
 
-#include <memory>
 #include <span>
 #include <vector>
 
@@ -19,9 +18,8 @@ namespace brittle::physics {
 
 class ContactSolver {
   public:
-    ContactSolver(const WorldSettings& settings, const std::vector<std::unique_ptr<Body>>& bodies,
-                  const SweepBroadphase& broadphase)
-        : settings_(settings), bodies_(bodies), broadphase_(broadphase) {}
+    ContactSolver(const WorldSettings& settings, const SweepBroadphase& broadphase)
+        : settings_(settings), broadphase_(broadphase) {}
 
     // Solves all contacts of the awake bodies. The manifolds must live until they are reported or a body is removed.
     void solve(std::span<Body* const> awake, std::span<const AnyManifold> manifolds, fracture::Threads& threads);
@@ -42,7 +40,6 @@ class ContactSolver {
                                     float friction) const;
 
     const WorldSettings& settings_;
-    const std::vector<std::unique_ptr<Body>>& bodies_;
     const SweepBroadphase& broadphase_;
     RowSolver rows_;
     std::span<const AnyManifold> manifolds_; // of the last step

@@ -99,7 +99,7 @@ class Solver final : public Engine {
     SweepBroadphase broadphase_{threads_};
     Siblings siblings_;
     Islands islands_;
-    ContactSolver contacts_{settings_, bodies_, broadphase_};
+    ContactSolver contacts_{settings_, broadphase_};
     ContinuousCollision continuous_collision_{bodies_, broadphase_, threads_};
     Sleeping sleeping_{settings_, bodies_, islands_, threads_};
     std::vector<Body*> stepped_; // bodies that were awake at any time of the step

@@ -497,7 +497,7 @@ TEST_CASE("bullet: hulls that overlap are moved apart, on stock Bullet with some
     }
 }
 
-TEST_CASE("bullet: stock Bullet bounces by the restitution; a fast body on the solver's ground by less") {
+TEST_CASE("bullet: stock Bullet bounces by the restitution, and a fast body on the ground of the solver by less") {
     for (const EngineKind engine : both) {
         CAPTURE(name(engine));
         World world(on(engine, {.ground_restitution = 1.0f}));
