@@ -30,9 +30,9 @@ constexpr float grab_rate = 10.0f;          // 1/s, approach speed by distance; 
 constexpr float grab_acceleration = 150.0f; // m/s^2, limit; below it, pieces that hang from a fast hand are lost
 constexpr float grab_damping = 4.0f;        // 1/s, of angular velocity
 
-constexpr double anchor_height = 0.01;    // m above the ground: WorldOptions::anchored holds pieces that reach below it
-constexpr double anchor_depth = 1.0;      // m below the ground, the lower end of that region
-constexpr size_t any_number = UINT32_MAX; // accepts numbers of pieces that do not exist yet
+constexpr double anchor_height = 0.01; // m above the ground: WorldOptions::anchored holds pieces that reach below it
+constexpr double anchor_depth = 1.0;   // m below the ground, the lower end of that region
+[[maybe_unused]] constexpr size_t any_number = UINT32_MAX; // accepts numbers of pieces that do not exist yet
 
 double hammer_energy(double impulse) {
     return 0.5 * impulse * impulse / hammer_mass;
