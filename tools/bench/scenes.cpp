@@ -1,0 +1,213 @@
+#include "tools/bench/scenes.h"
+
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
+
+#include "fracture/mesh/mass_properties.h"
+#include "fracture/shapes/shapes.h"
+#include "physics/world/hull.h"
+
+namespace brittle::tools {
+
+namespace {
+
+using physics::BodyDesc;
+
+constexpr double ball_radius = 0.1; // m
+constexpr double card_height = 0.088, card_width = 0.063, card_thickness = 0.002, card_density = 700.0;
+constexpr double card_lean = 20.0 * std::numbers::pi / 180.0; // rad, from upright
+constexpr double card_friction = 0.49;
+constexpr double card_gap = 1e-4;       // m, between two lying cards of a row
+constexpr double card_overhang = 0.003; // m, of the outermost lying cards beyond the crest below them
+constexpr double foot_friction = 1.5;   // of a domino on the ground
+constexpr double first_push = 2.0;      // rad/s, of the first domino: slower than the wave
+
+std::vector<glm::dvec3> box_corners(const glm::dvec3& size) {
+    std::vector<glm::dvec3> corners;
+    for (const double x : {-0.5, 0.5})
+        for (const double y : {-0.5, 0.5})
+            for (const double z : {-0.5, 0.5}) corners.push_back(size * glm::dvec3(x, y, z));
+    return corners;
+}
+
+void turn_about_z(BodyDesc& body, double angle) {
+    body.pose.orientation = glm::quat(glm::dquat(std::cos(0.5 * angle), 0.0, 0.0, std::sin(0.5 * angle)));
+}
+
+} // namespace
+
+BodyDesc convex_body(std::span<const glm::dvec3> points, double density, uint32_t max_vertices) {
+    glm::dvec3 middle(0.0);
+    for (const glm::dvec3& point : points) middle += point / static_cast<double>(points.size());
+    std::vector<glm::vec3> around;
+    for (const glm::dvec3& point : points) around.emplace_back(point - middle);
+    const fracture::TriangleMesh mesh = physics::hull_mesh(around);
+    const fracture::MassProperties mass = fracture::mass_properties(mesh.positions, mesh.triangles);
+    const glm::dvec3 centre = middle + mass.centre_of_mass;
+    BodyDesc body{.hull = physics::collision_hull(points, centre, {.max_vertices = max_vertices})};
+    body.mass = static_cast<float>(density * mass.volume);
+    body.inertia = glm::mat3(density * mass.inertia);
+    body.pose.position = glm::vec3(centre);
+    body.restitution = 0.0f;
+    return body;
+}
+
+BodyDesc box_body(const glm::dvec3& size, const glm::dvec3& centre, double density) {
+    BodyDesc body = convex_body(box_corners(size), density);
+    body.pose.position = glm::vec3(centre);
+    return body;
+}
+
+void set_friction(Scene& scene, double coefficient) {
+    const auto root = static_cast<float>(std::sqrt(coefficient));
+    scene.settings.ground_friction = root;
+    for (BodyDesc& body : scene.bodies) body.friction = root;
+}
+
+Scene stack(int count, double edge) {
+    Scene scene;
+    for (int i = 0; i < count; ++i) scene.bodies.push_back(box_body(glm::dvec3(edge), {0.0, edge * (i + 0.5), 0.0}));
+    set_friction(scene, 0.5);
+    return scene;
+}
+
+Scene loaded_stack(int count, double edge, double ratio) {
+    Scene scene = stack(count + 1, edge);
+    BodyDesc& load = scene.bodies.back();
+    load.mass *= static_cast<float>(ratio);
+    load.inertia *= static_cast<float>(ratio);
+    return scene;
+}
+
+Scene card_house(int levels) {
+    Scene scene;
+    const double c = std::cos(card_lean), s = std::sin(card_lean);
+    const double level_height = card_height * c + card_thickness * s;
+    const double pitch = card_height + card_gap; // of lying cards
+    const BodyDesc upright = box_body({card_thickness, card_height, card_width}, glm::dvec3(0.0), card_density);
+    const BodyDesc lying = box_body({card_height, card_thickness, card_width}, glm::dvec3(0.0), card_density);
+    const auto add = [&](const BodyDesc& card, double x, double y, double turn) {
+        scene.bodies.push_back(card);
+        scene.bodies.back().pose.position = glm::vec3(glm::dvec3(x, y, 0.0));
+        turn_about_z(scene.bodies.back(), turn);
+    };
+    double floor = 0.0;
+    for (int pairs = levels; pairs >= 1; --pairs) {
+        const int bridges = pairs - 1;
+        // The outermost lying cards reach over both corners of the outermost crests.
+        const double crests = bridges > 0 ? (bridges * pitch - card_gap - 2.0 * card_overhang) / bridges : 0.0;
+        const double aside = 0.5 * (card_thickness * c + card_height * s); // of a card's middle from its crest
+        for (int i = 0; i < pairs; ++i)
+            for (const double side : {-1.0, 1.0})
+                add(upright, crests * (i - 0.5 * bridges) + side * aside, floor + 0.5 * level_height, side * card_lean);
+        floor += level_height;
+        for (int i = 0; i < bridges; ++i)
+            add(lying, pitch * (i - 0.5 * (bridges - 1)), floor + 0.5 * card_thickness, 0.0);
+        floor += card_thickness;
+    }
+    set_friction(scene, card_friction);
+    return scene;
+}
+
+Scene arch(double thickness, int stones, double friction) {
+    constexpr double depth = 0.5;
+    Scene scene;
+    scene.settings.ground_height = {};
+    for (int i = 0; i < stones; ++i) {
+        std::vector<glm::dvec3> corners;
+        for (const int joint : {i, i + 1}) {
+            const double angle = std::numbers::pi * joint / stones;
+            for (const double radius : {1.0 - 0.5 * thickness, 1.0 + 0.5 * thickness})
+                for (const double z : {-0.5 * depth, 0.5 * depth})
+                    corners.emplace_back(radius * std::cos(angle), radius * std::sin(angle), z);
+        }
+        scene.bodies.push_back(convex_body(corners));
+    }
+    for (const double side : {-1.0, 1.0}) {
+        scene.bodies.push_back(box_body({0.6, 0.4, 2.0 * depth}, {side, -0.2, 0.0}));
+        scene.bodies.back().fixed = true;
+    }
+    set_friction(scene, friction);
+    return scene;
+}
+
+Scene pyramid(int rows, double edge) {
+    const double pitch = 1.1 * edge;
+    Scene scene;
+    const BodyDesc cube = box_body(glm::dvec3(edge), glm::dvec3(0.0));
+    for (int row = 0; row < rows; ++row)
+        for (int i = 0; i < rows - row; ++i) {
+            scene.bodies.push_back(cube);
+            scene.bodies.back().pose.position =
+                glm::vec3(glm::dvec3(pitch * (i - 0.5 * (rows - row - 1)), edge * (row + 0.5), 0.0));
+        }
+    set_friction(scene, 0.5);
+    return scene;
+}
+
+Scene slope(double angle, double friction) {
+    Scene scene;
+    scene.settings.ground_height = {};
+    scene.settings.air_density = 0.0f;
+    constexpr double slab_half = 0.25, box_half = 0.05, start = 4.0;
+    const glm::dvec3 along(std::cos(angle), std::sin(angle), 0.0), up(-std::sin(angle), std::cos(angle), 0.0);
+    scene.bodies.push_back(box_body({0.2, 2.0 * box_half, 0.2}, start * along + box_half * up));
+    scene.bodies.push_back(box_body({12.0, 2.0 * slab_half, 2.0}, -slab_half * up));
+    scene.bodies.back().fixed = true;
+    for (BodyDesc& body : scene.bodies) turn_about_z(body, angle);
+    set_friction(scene, friction);
+    return scene;
+}
+
+Scene drop(Dropped what, double restitution, bool on_slab, double height) {
+    Scene scene;
+    scene.settings.air_density = 0.0f;
+    scene.settings.ground_restitution = 1.0f;
+    const std::vector<glm::dvec3> points = what == Dropped::ball ? fracture::icosphere(2, ball_radius).positions
+                                                                 : box_corners(glm::dvec3(2.0 * ball_radius));
+    BodyDesc body = convex_body(points, stone_density, 64);
+    body.pose.position = {0.0f, static_cast<float>(height + ball_radius), 0.0f};
+    body.restitution = static_cast<float>(restitution);
+    scene.bodies.push_back(body);
+    if (on_slab) {
+        scene.settings.ground_height = {};
+        scene.bodies.push_back(box_body({2.0, 0.5, 2.0}, {0.0, -0.25, 0.0}));
+        scene.bodies.back().fixed = true;
+        scene.bodies.back().restitution = 1.0f;
+    }
+    return scene;
+}
+
+Scene dominoes(const Dominoes& row) {
+    Scene scene;
+    scene.settings.air_density = 0.0f;
+    const BodyDesc domino = box_body({row.thickness, row.height, row.width}, {0.0, 0.5 * row.height, 0.0}, 1200.0);
+    scene.bodies.assign(static_cast<size_t>(row.count), domino);
+    set_friction(scene, row.friction);
+    scene.settings.ground_friction = static_cast<float>(foot_friction / std::sqrt(row.friction));
+    for (size_t i = 0; i < scene.bodies.size(); ++i)
+        scene.bodies[i].pose.position.x = static_cast<float>(static_cast<double>(i) * (row.thickness + row.gap));
+    // About the front edge of the foot.
+    BodyDesc& first = scene.bodies.front();
+    first.angular_velocity = {0.0f, 0.0f, static_cast<float>(-first_push)};
+    first.linear_velocity =
+        glm::cross(first.angular_velocity, glm::vec3(glm::dvec3(-0.5 * row.thickness, 0.5 * row.height, 0.0)));
+    return scene;
+}
+
+Scene dzhanibekov() {
+    Scene scene;
+    scene.settings.gravity = glm::vec3(0.0f);
+    scene.settings.ground_height = {};
+    scene.settings.air_density = 0.0f;
+    scene.bodies.push_back(box_body({0.3, 0.1, 0.2}, glm::dvec3(0.0), 1000.0));
+    // X has the least moment and Y the greatest.
+    scene.bodies.back().angular_velocity = {0.01f, 0.01f, 10.0f};
+    return scene;
+}
+
+} // namespace brittle::tools

@@ -1,0 +1,78 @@
+// Scenes of rigid bodies whose outcome is known: from statics, from mechanics, or because real ones stand.
+//
+// Plain data, the same on every call. The program rigid_bodies measures them, benchmarks time them, and tests may step
+// them. Every hull is made like a piece's (collision_hull()). Metres, kilograms, seconds; Y up; the ground is y = 0.
+// A builder's friction is the coefficient of a contact: World multiplies those of two bodies, so each body gets its
+// square root. Unless stated, all bodies collide and sleeping is off, so that nothing hides a drift.
+//
+//     const Scene scene = stack(20, 1.0);
+//     World world(scene.settings);
+//     Result<std::vector<BodyId>> bodies = world.add_bodies(scene.bodies);
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+#include "physics/world/world.h"
+
+namespace brittle::tools {
+
+struct Scene {
+    physics::WorldSettings settings{.debris_size = 0.0f, .max_colliding = 0, .sleeping = false};
+    std::vector<physics::BodyDesc> bodies{};
+};
+
+inline constexpr double stone_density = 2400.0; // kg/m^3
+inline constexpr double earth_gravity = 9.81;   // m/s^2, as in WorldSettings
+
+// A body of the convex hull of world points, at rest. Mass and inertia are those of the full hull.
+[[nodiscard]] physics::BodyDesc convex_body(std::span<const glm::dvec3> points, double density = stone_density,
+                                            uint32_t max_vertices = 32);
+// A box with its axes along the world's.
+[[nodiscard]] physics::BodyDesc box_body(const glm::dvec3& size, const glm::dvec3& centre,
+                                         double density = stone_density);
+// Sets the coefficient of contacts among bodies and with the ground.
+void set_friction(Scene& scene, double coefficient);
+
+// `count` cubes on each other.
+[[nodiscard]] Scene stack(int count, double edge);
+// A stack of `count` cubes under a cube of the same size and `ratio` times the mass.
+[[nodiscard]] Scene loaded_stack(int count, double edge, double ratio);
+
+// A house of playing cards, 88 x 63 x 2 mm: `levels` pairs of leaning cards at the bottom, one pair less on each level,
+// and a row of lying cards between two levels. Cards lean by 20 degrees. A foot under any load needs a coefficient of
+// friction below tan 20 = 0.364; the scene has 0.49. Leaning cards are the first two bodies of a pair, level by level.
+[[nodiscard]] Scene card_house(int levels);
+
+// A semicircular arch of wedges (voussoirs) with a mean radius of 1 m, 0.5 m deep, between two fixed blocks whose tops
+// are y = 0. The blocks are the last bodies. There is no ground: an arch that fails falls through.
+inline constexpr int arch_stones = 15;
+[[nodiscard]] Scene arch(double thickness, int stones = arch_stones, double friction = 0.7);
+
+// A wall of `rows` rows of cubes, one less in each row: rows * (rows + 1) / 2 bodies.
+[[nodiscard]] Scene pyramid(int rows, double edge);
+
+// A flat box on a fixed slab that is tilted by `angle`, rad, about Z: it slides towards -X.
+[[nodiscard]] Scene slope(double angle, double friction);
+
+// A body of 0.2 m with its lowest point `height` above the ground, or above a fixed slab if there is one, in a vacuum.
+// `restitution` is that of the contact.
+enum class Dropped { ball, cube };
+[[nodiscard]] Scene drop(Dropped what, double restitution, bool on_slab, double height);
+
+// A row of dominoes along X. The first one has the angular velocity that lets it fall; feet do not slip.
+struct Dominoes {
+    int count = 60;
+    double height = 0.048, width = 0.024, thickness = 0.0075; // m
+    double gap = 0.0135;                                      // m, between two dominoes
+    double friction = 0.2;                                    // between two dominoes
+};
+[[nodiscard]] Scene dominoes(const Dominoes& row);
+
+// A body with three different moments that spins about the middle one, in empty space.
+[[nodiscard]] Scene dzhanibekov();
+
+} // namespace brittle::tools
