@@ -84,16 +84,16 @@ struct Run {
         return added ? *added : std::vector<BodyId>{};
     }
     [[nodiscard]] double step_seconds() const { return static_cast<double>(world.settings().step); }
-    // Returns the milliseconds of each step.
+    // Returns the milliseconds of each step. Ends early when go_on() returns false.
     std::vector<double> steps(
-        double duration, const std::function<void()>& after_step = [] {}) {
+        double duration, const std::function<bool()>& go_on = [] { return true; }) {
         std::vector<double> times;
         for (long step = std::lround(duration / step_seconds()); step > 0; --step) {
             const auto start = std::chrono::steady_clock::now();
             world.step();
             times.push_back(
                 std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
-            after_step();
+            if (!go_on()) break;
         }
         return times;
     }
@@ -106,26 +106,31 @@ double percentile_95(std::vector<double> samples) {
     return samples[samples.size() * 95 / 100];
 }
 
-// How far bodies have moved from their first places.
+// How far bodies have moved from their first places. They have fallen when one has moved by more than `fall`.
 struct Drift {
     std::vector<glm::dvec3> places;
+    double fall;
     double aside = 0.0, down = 0.0, up = 0.0; // m, greatest over bodies and steps
 
-    explicit Drift(const Run& run) {
+    Drift(const Run& run, double fallen) : fall(fallen) {
         for (size_t i = 0; i < run.bodies.size(); ++i) places.push_back(run.place(i));
     }
-    void look(const Run& run) {
+    // Returns whether they stand.
+    bool look(const Run& run) {
         for (size_t i = 0; i < places.size(); ++i) {
             const glm::dvec3 way = run.place(i) - places[i];
             aside = std::max(aside, std::hypot(way.x, way.z));
             down = std::max(down, -way.y);
             up = std::max(up, way.y);
         }
+        return stands();
     }
     [[nodiscard]] double most() const { return std::max({aside, down, up}); }
-    [[nodiscard]] std::string words(double fall) const {
-        return text("%s, %.2f mm aside, %.2f down, %.2f up", most() < fall ? "stands" : "FALLS", 1e3 * aside,
-                    1e3 * down, 1e3 * up);
+    [[nodiscard]] bool stands() const { return most() < fall; }
+    [[nodiscard]] std::string words(const Run& run) const {
+        const double seconds = static_cast<double>(run.world.steps_taken()) * run.step_seconds();
+        if (!stands()) return text("FALLS within %.2f s", seconds);
+        return text("stands %g s, %.2f mm aside, %.2f down, %.2f up", seconds, 1e3 * aside, 1e3 * down, 1e3 * up);
     }
 };
 
@@ -134,21 +139,21 @@ constexpr double max_drift = 0.005; // m, of bodies that must stand
 Outcome run_standing(Scene scene, const Options& options, bool sleeping, double fall, double seconds = 30.0) {
     scene.settings.sleeping = sleeping;
     Run run(scene, options, seconds);
-    Drift drift(run);
-    run.steps(run.seconds, [&] { drift.look(run); });
-    return {drift.words(fall) + text(" in %g s", run.seconds), "stands, at most 5 mm", drift.most() <= max_drift};
+    Drift drift(run, fall);
+    run.steps(run.seconds, [&] { return drift.look(run); });
+    return {drift.words(run), "stands, at most 5 mm", drift.most() <= max_drift};
 }
 
 Outcome run_arch(const Options& options, double thickness) {
     Run run(arch(thickness), options, 30.0);
-    Drift drift(run);
-    run.steps(run.seconds, [&] { drift.look(run); });
-    const bool stands = drift.most() < 0.1;
+    Drift drift(run, 0.1);
+    run.steps(run.seconds, [&] { return drift.look(run); });
     const double limit = min_arch_thickness(arch_stones);
     std::string truth = text("%s: at least %.4f stands", thickness >= limit ? "stands" : "falls", limit);
     // Near the limit, rounded corners and the gaps between rounded stones decide.
     const bool sure = thickness >= 0.13 || thickness <= 0.09;
-    return {drift.words(0.1), std::move(truth), sure ? std::optional(stands == (thickness >= limit)) : std::nullopt};
+    return {drift.words(run), std::move(truth),
+            sure ? std::optional(drift.stands() == (thickness >= limit)) : std::nullopt};
 }
 
 Outcome run_slope(const Options& options, double friction, double degrees, bool sleeping) {
@@ -169,17 +174,13 @@ Outcome run_bounce(const Options& options, Dropped what, bool on_slab, double re
     constexpr double height = 1.0;
     Run run(drop(what, restitution, on_slab, height), options, 4.0);
     const double start = run.place(0).y, touch = start - height;
-    double before = 0.0, after = 0.0, top = 0.0;
+    double before = 0.0, after = 0.0, top = 0.0; // greatest speeds, m/s, and height, m
     run.steps(run.seconds, [&] {
         const auto speed = static_cast<double>(run.world.linear_velocity(run.bodies[0]).y);
-        const bool second_fall = after > 0.0 && speed < 0.0;
-        if (second_fall) run.seconds = 0.0;
-        if (run.seconds <= 0.0) return;
-        if (speed > 0.0) {
-            after = std::max(after, speed);
-            top = std::max(top, run.place(0).y - touch);
-        } else
-            before = -speed;
+        if (after == 0.0) before = std::max(before, -speed);
+        after = std::max(after, speed);
+        if (after > 0.0) top = std::max(top, run.place(0).y - touch);
+        return after == 0.0 || speed > 0.0;
     });
     const double by_speed = before > 0.0 ? after / before : 0.0, by_height = std::sqrt(top / height);
     const bool right = std::abs(by_speed - restitution) <= 0.03 && std::abs(by_height - restitution) <= 0.03;
@@ -196,6 +197,7 @@ Outcome run_dominoes(const Options& options) {
         now += run.step_seconds();
         for (size_t i = 0; i < times.size(); ++i)
             if (times[i] < 0.0 && std::abs(run.world.pose(run.bodies[i]).orientation.w) < fallen) times[i] = now;
+        return times.back() < 0.0;
     });
     const double root = std::sqrt(earth_gravity * row.height), theory = domino_wave_speed(row) / root;
     constexpr size_t from = 20, to = 55; // away from both ends
@@ -216,6 +218,7 @@ Outcome run_dzhanibekov(const Options& options) {
         const glm::vec3 axis = run.world.pose(run.bodies[0]).orientation * glm::vec3(0.0f, 0.0f, 1.0f);
         if ((axis.z > 0.0f) != upright) ++flips;
         upright = axis.z > 0.0f;
+        return true;
     });
     const double end = run.world.mechanics().kinetic / start - 1.0;
     return {text("%+.4f %% after %g s, at most %.4f %%, %d flips", 100.0 * end, run.seconds, 100.0 * furthest, flips),
@@ -275,9 +278,9 @@ Outcome run_heap(const Options& options, uint32_t sites, int bunnies) {
 
 Outcome run_pyramid(const Options& options) {
     Run run(pyramid(50, 0.5), options, 10.0);
-    Drift drift(run);
-    const std::vector<double> times = run.steps(run.seconds, [&] { drift.look(run); });
-    return {text("%zu bodies, ", run.bodies.size()) + drift.words(0.25) + ", " + times_text(times),
+    Drift drift(run, 0.25);
+    const std::vector<double> times = run.steps(run.seconds, [&] { return drift.look(run); });
+    return {text("%zu bodies, ", run.bodies.size()) + drift.words(run) + ", " + times_text(times),
             "stands, at most 5 mm", drift.most() <= max_drift};
 }
 

@@ -24,7 +24,7 @@ constexpr double card_friction = 0.49;
 constexpr double card_gap = 1e-4;       // m, between two lying cards of a row
 constexpr double card_overhang = 0.003; // m, of the outermost lying cards beyond the crest below them
 constexpr double foot_friction = 1.5;   // of a domino on the ground
-constexpr double first_push = 2.0;      // rad/s, of the first domino: slower than the wave
+constexpr double first_push = 4.0;      // rad/s, of the first domino: half as much again as tips it over
 
 std::vector<glm::dvec3> box_corners(const glm::dvec3& size) {
     std::vector<glm::dvec3> corners;
