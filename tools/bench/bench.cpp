@@ -35,6 +35,7 @@
 #include "tools/bench/impacts.h"
 #include "tools/bench/memory_meter.h"
 #include "tools/bench/samples.h"
+#include "tools/bench/scene_steps.h"
 #include "tools/bench/world.h"
 
 namespace brittle::tools {
@@ -238,6 +239,7 @@ int main(int argc, char** argv) {
     brittle::tools::add_all();
     brittle::tools::add_impact_benchmarks();
     brittle::tools::add_world_benchmarks();
+    brittle::tools::add_scene_benchmarks();
     benchmark::Initialize(&argc, argv);
     if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
     benchmark::RunSpecifiedBenchmarks();

@@ -15,6 +15,13 @@ inline double median(std::vector<double> samples) {
     std::nth_element(samples.begin(), middle, samples.end());
     return *middle;
 }
+// 0 without samples.
+inline double percentile_95(std::vector<double> samples) {
+    if (samples.empty()) return 0.0;
+    const auto at = samples.begin() + static_cast<std::ptrdiff_t>(samples.size() * 95 / 100);
+    std::nth_element(samples.begin(), at, samples.end());
+    return *at;
+}
 // Over several runs of equal length: statistic(times) of each step, where times holds one sample a run.
 std::vector<double> by_step(std::span<const std::vector<double>> runs, const auto& statistic) {
     std::vector<double> result;

@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
 
+#include "fracture/base/random.h"
 #include "fracture/mesh/mass_properties.h"
 #include "fracture/shapes/shapes.h"
 #include "physics/world/hull.h"
@@ -36,6 +37,33 @@ std::vector<glm::dvec3> box_corners(const glm::dvec3& size) {
 
 void turn_about_z(BodyDesc& body, double angle) {
     body.pose.orientation = glm::quat(glm::dquat(std::cos(0.5 * angle), 0.0, 0.0, std::sin(0.5 * angle)));
+}
+
+constexpr double stir_speed = 1.0;  // rad/s
+constexpr double beam_height = 1.0; // m, of the middle of the junkyard's beam
+
+// `count` random points in a shell of 0.8 to 1 radii.
+std::vector<glm::dvec3> rock(fracture::Random& random, int count, double radius) {
+    std::vector<glm::dvec3> points;
+    while (points.size() < static_cast<size_t>(count)) {
+        const glm::dvec3 at = random.uniform_in({glm::dvec3(-1.0), glm::dvec3(1.0)});
+        const double length = glm::length(at);
+        if (length > 0.1 && length < 1.0) points.push_back(at / length * radius * (0.8 + 0.2 * random.uniform()));
+    }
+    return points;
+}
+
+// Rocks in layers of side x side, the lowest one `height` above the ground.
+void add_rocks(Scene& scene, int side, int layers, int points, double radius, double height) {
+    fracture::Random random(1);
+    const double pitch = 2.05 * radius;
+    for (int layer = 0; layer < layers; ++layer)
+        for (int i = 0; i < side * side; ++i) {
+            const glm::dvec3 at(pitch * (i % side - 0.5 * (side - 1)), height + radius + pitch * layer,
+                                pitch * (i / side - 0.5 * (side - 1)));
+            scene.bodies.push_back(convex_body(rock(random, points, radius)));
+            scene.bodies.back().pose.position += glm::vec3(at);
+        }
 }
 
 } // namespace
@@ -196,6 +224,53 @@ Scene dominoes(const Dominoes& row) {
     first.angular_velocity = {0.0f, 0.0f, static_cast<float>(-first_push)};
     first.linear_velocity =
         glm::cross(first.angular_velocity, glm::vec3(glm::dvec3(-0.5 * row.thickness, 0.5 * row.height, 0.0)));
+    return scene;
+}
+
+Scene convex_pile() {
+    Scene scene;
+    add_rocks(scene, 16, 20, 32, 0.5, 0.1);
+    set_friction(scene, 0.5);
+    return scene;
+}
+
+Scene junkyard() {
+    Scene scene;
+    constexpr double radius = 0.25, half = 6.0, wall = 0.5, wall_height = 16.0;
+    add_rocks(scene, 21, 24, 12, radius, 2.0 * beam_height);
+    for (const double side : {-1.0, 1.0})
+        for (const bool along_x : {false, true}) {
+            const double away = side * (half + 0.5 * wall), length = 2.0 * (half + wall);
+            scene.bodies.push_back(
+                box_body(along_x ? glm::dvec3(length, wall_height, wall) : glm::dvec3(wall, wall_height, length),
+                         {along_x ? 0.0 : away, 0.5 * wall_height, along_x ? away : 0.0}));
+            scene.bodies.back().fixed = true;
+        }
+    // A thousand times as dense as a rock: it keeps its speed.
+    scene.bodies.push_back(box_body({10.0, 0.5, 0.5}, {0.0, beam_height, 0.0}, 1000.0 * stone_density));
+    set_friction(scene, 0.5);
+    return scene;
+}
+
+void stir(physics::World& world, physics::BodyId beam) {
+    // The step's gravity is added to this velocity.
+    const auto step = world.settings().step;
+    const glm::vec3 away = glm::vec3(0.0f, static_cast<float>(beam_height), 0.0f) - world.pose(beam).position;
+    world.set_velocity(beam, away / step - world.settings().gravity * step,
+                       {0.0f, static_cast<float>(stir_speed), 0.0f});
+}
+
+Scene many_pyramids() {
+    const Scene one = pyramid(10, 0.5);
+    Scene scene;
+    scene.settings = one.settings;
+    for (int i = 0; i < 14; ++i)
+        for (int j = 0; j < 14; ++j)
+            for (const BodyDesc& cube : one.bodies) {
+                scene.bodies.push_back(cube);
+                scene.bodies.back().pose.position +=
+                    glm::vec3(6.5f * static_cast<float>(i), 0.0f, static_cast<float>(j));
+            }
     return scene;
 }
 

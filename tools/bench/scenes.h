@@ -72,6 +72,17 @@ struct Dominoes {
 };
 [[nodiscard]] Scene dominoes(const Dominoes& row);
 
+// Heaps of the sizes that Box3D publishes, rebuilt from their descriptions: not its coordinates. Sleeping is off.
+//
+// 5,120 hulls of 32 random points near a sphere of 0.5 m fall in 20 layers of 16 x 16.
+[[nodiscard]] Scene convex_pile();
+// 10,584 rocks, hulls of 12 points, fall in 24 layers of 21 x 21 into a pit with four fixed walls, around a beam that
+// stirs them: the last body. Call stir() before every step.
+[[nodiscard]] Scene junkyard();
+void stir(physics::World& world, physics::BodyId beam);
+// 196 pyramids of 10 rows, 10,780 cubes, in 14 rows of 14.
+[[nodiscard]] Scene many_pyramids();
+
 // A body with three different moments that spins about the middle one, in empty space.
 [[nodiscard]] Scene dzhanibekov();
 
