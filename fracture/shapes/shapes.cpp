@@ -330,9 +330,10 @@ TriangleMesh tower() {
 }
 
 std::span<const std::string_view> shape_names() {
-    static constexpr std::array<std::string_view, 13> names = {
-        "cube", "lattice_cube", "icosphere", "torus", "torus_knot", "hollow_sphere", "menger_sponge",
-        "pane", "wall",         "arch",      "tower", "animal",     "statue"};
+    static constexpr std::array<std::string_view, 18> names = {
+        "cube",          "lattice_cube", "icosphere",  "torus",         "torus_knot", "hollow_sphere",
+        "menger_sponge", "pane",         "wall",       "arch",          "tower",      "animal",
+        "statue",        "stone_arch",   "card_house", "domino_spiral", "pyramid",    "stack"};
     return names;
 }
 
@@ -350,6 +351,11 @@ std::optional<TriangleMesh> shape_of_size(std::string_view name, std::string_vie
     if (name == "menger_sponge") return menger_sponge(n);
     if (name == "animal") return four_legged_animal(n);
     if (name == "statue") return statue(n);
+    if (name == "stone_arch") return stone_arch(0.01 * std::clamp(n, 1u, 100u));
+    if (name == "card_house") return card_house(n);
+    if (name == "domino_spiral") return domino_spiral(n);
+    if (name == "pyramid") return pyramid(n);
+    if (name == "stack") return stack(n);
     return std::nullopt;
 }
 
@@ -371,6 +377,11 @@ std::optional<TriangleMesh> shape(std::string_view name) {
     if (name == "tower") return tower();
     if (name == "animal") return four_legged_animal();
     if (name == "statue") return statue();
+    if (name == "stone_arch") return stone_arch();
+    if (name == "card_house") return card_house();
+    if (name == "domino_spiral") return domino_spiral();
+    if (name == "pyramid") return pyramid();
+    if (name == "stack") return stack();
     return std::nullopt;
 }
 

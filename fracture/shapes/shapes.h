@@ -52,12 +52,33 @@ namespace brittle::fracture {
 // stands on y = 0 and looks along +Z. `resolution` is the count of lattice cells along its height.
 [[nodiscard]] TriangleMesh statue(uint32_t resolution = 64);
 
+// The following shapes are several solids that stand on each other, y = 0 being the ground. A fracture with one site
+// cuts nothing and makes each solid a piece. `joint`, m, is the gap between two solids: meshes that touch are not
+// valid.
+
+// A semicircular arch of wedges (voussoirs) with a mean radius of 1 m, 0.5 m deep. An arch without mortar stands if its
+// thickness is at least 0.1075 of its radius (Milankovitch, 1907).
+[[nodiscard]] TriangleMesh stone_arch(double thickness = 0.15, uint32_t stones = 15, double joint = 1e-4);
+// A house of playing cards, 88 x 63 x 2 mm. `levels` pairs of leaning cards stand at the bottom, one pair less on each
+// further level, with a row of lying cards between two levels. Cards lean by 20 degrees: a foot needs a coefficient of
+// friction of at most tan 20 = 0.364, whatever its load. The cards of a level follow each other.
+[[nodiscard]] TriangleMesh card_house(uint32_t levels = 4, double joint = 1e-5);
+// Dominoes, 48 x 24 x 7.5 mm and 13.5 mm apart, on a spiral; the first of the mesh is the outermost, at +X, and falls
+// towards -Z.
+[[nodiscard]] TriangleMesh domino_spiral(uint32_t count = 200);
+// A wall of cubes, one less in each row: rows * (rows + 1) / 2 of them, a tenth of their edge apart.
+[[nodiscard]] TriangleMesh pyramid(uint32_t rows = 50, double edge = 1.0, double joint = 1e-4);
+// Cubes on each other.
+[[nodiscard]] TriangleMesh stack(uint32_t count = 50, double edge = 1.0, double joint = 1e-4);
+
 // Returns the names that shape() accepts: cube, lattice_cube, icosphere, torus, torus_knot, hollow_sphere,
-// menger_sponge, pane (2 x 1.4 x 0.03 m), wall (2 x 1.2 x 0.2 m), arch, tower, animal, statue.
+// menger_sponge, pane (2 x 1.4 x 0.03 m), wall (2 x 1.2 x 0.2 m), arch, tower, animal, statue, stone_arch, card_house,
+// domino_spiral, pyramid, stack.
 [[nodiscard]] std::span<const std::string_view> shape_names();
 // Returns the named shape with default arguments (lattice_cube: n = 16), or nothing for an unknown name. NAME:N sets
 // the resolution: lattice_cube:N, icosphere:SUBDIVISIONS, torus:SEGMENTS around (half as many across),
-// torus_knot:SEGMENTS (a sixteenth across), menger_sponge:LEVEL, animal:RESOLUTION, statue:RESOLUTION.
+// torus_knot:SEGMENTS (a sixteenth across), menger_sponge:LEVEL, animal:RESOLUTION, statue:RESOLUTION,
+// stone_arch:THICKNESS (hundredths of its radius), card_house:LEVELS, domino_spiral:COUNT, pyramid:ROWS, stack:COUNT.
 [[nodiscard]] std::optional<TriangleMesh> shape(std::string_view name);
 
 } // namespace brittle::fracture

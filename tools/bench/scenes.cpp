@@ -1,13 +1,13 @@
 #include "tools/bench/scenes.h"
 
 #include <cmath>
-#include <numbers>
 #include <vector>
 
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
 
 #include "fracture/base/random.h"
+#include "fracture/mesh/islands.h"
 #include "fracture/mesh/mass_properties.h"
 #include "fracture/shapes/shapes.h"
 #include "physics/world/hull.h"
@@ -18,14 +18,10 @@ namespace {
 
 using physics::BodyDesc;
 
-constexpr double ball_radius = 0.1; // m
-constexpr double card_height = 0.088, card_width = 0.063, card_thickness = 0.002, card_density = 700.0;
-constexpr double card_lean = 20.0 * std::numbers::pi / 180.0; // rad, from upright
-constexpr double card_friction = 0.49;
-constexpr double card_gap = 1e-4;       // m, between two lying cards of a row
-constexpr double card_overhang = 0.003; // m, of the outermost lying cards beyond the crest below them
-constexpr double foot_friction = 1.5;   // of a domino on the ground
-constexpr double first_push = 4.0;      // rad/s, of the first domino: half as much again as tips it over
+constexpr double ball_radius = 0.1;    // m
+constexpr double card_density = 700.0; // kg/m^3
+constexpr double foot_friction = 1.5;  // of a domino on the ground
+constexpr double first_push = 4.0;     // rad/s, of the first domino: half as much again as tips it over
 
 std::vector<glm::dvec3> box_corners(const glm::dvec3& size) {
     std::vector<glm::dvec3> corners;
@@ -33,6 +29,15 @@ std::vector<glm::dvec3> box_corners(const glm::dvec3& size) {
         for (const double y : {-0.5, 0.5})
             for (const double z : {-0.5, 0.5}) corners.push_back(size * glm::dvec3(x, y, z));
     return corners;
+}
+
+// A body for each solid of a mesh, in their order.
+Scene solids(const fracture::TriangleMesh& mesh, double density = stone_density) {
+    Scene scene;
+    const std::vector<fracture::FaceSource> sources(mesh.triangles.size());
+    for (const fracture::Island& solid : fracture::split_islands(mesh.positions, mesh.triangles, sources))
+        scene.bodies.push_back(convex_body(solid.positions, density));
+    return scene;
 }
 
 void turn_about_z(BodyDesc& body, double angle) {
@@ -97,8 +102,7 @@ void set_friction(Scene& scene, double coefficient) {
 }
 
 Scene stack(int count, double edge) {
-    Scene scene;
-    for (int i = 0; i < count; ++i) scene.bodies.push_back(box_body(glm::dvec3(edge), {0.0, edge * (i + 0.5), 0.0}));
+    Scene scene = solids(fracture::stack(static_cast<uint32_t>(count), edge, 0.0));
     set_friction(scene, 0.5);
     return scene;
 }
@@ -112,51 +116,16 @@ Scene loaded_stack(int count, double edge, double ratio) {
 }
 
 Scene card_house(int levels) {
-    Scene scene;
-    const double c = std::cos(card_lean), s = std::sin(card_lean);
-    const double level_height = card_height * c + card_thickness * s;
-    const double pitch = card_height + card_gap; // of lying cards
-    const BodyDesc upright = box_body({card_thickness, card_height, card_width}, glm::dvec3(0.0), card_density);
-    const BodyDesc lying = box_body({card_height, card_thickness, card_width}, glm::dvec3(0.0), card_density);
-    const auto add = [&](const BodyDesc& card, double x, double y, double turn) {
-        scene.bodies.push_back(card);
-        scene.bodies.back().pose.position = glm::vec3(glm::dvec3(x, y, 0.0));
-        turn_about_z(scene.bodies.back(), turn);
-    };
-    double floor = 0.0;
-    for (int pairs = levels; pairs >= 1; --pairs) {
-        const int bridges = pairs - 1;
-        // The outermost lying cards reach over both corners of the outermost crests.
-        const double crests = bridges > 0 ? (bridges * pitch - card_gap - 2.0 * card_overhang) / bridges : 0.0;
-        const double aside = 0.5 * (card_thickness * c + card_height * s); // of a card's middle from its crest
-        for (int i = 0; i < pairs; ++i)
-            for (const double side : {-1.0, 1.0})
-                add(upright, crests * (i - 0.5 * bridges) + side * aside, floor + 0.5 * level_height, side * card_lean);
-        floor += level_height;
-        for (int i = 0; i < bridges; ++i)
-            add(lying, pitch * (i - 0.5 * (bridges - 1)), floor + 0.5 * card_thickness, 0.0);
-        floor += card_thickness;
-    }
-    set_friction(scene, card_friction);
+    Scene scene = solids(fracture::card_house(static_cast<uint32_t>(levels), 0.0), card_density);
+    set_friction(scene, 0.49);
     return scene;
 }
 
 Scene arch(double thickness, int stones, double friction) {
-    constexpr double depth = 0.5;
-    Scene scene;
+    Scene scene = solids(fracture::stone_arch(thickness, static_cast<uint32_t>(stones), 0.0));
     scene.settings.ground_height = {};
-    for (int i = 0; i < stones; ++i) {
-        std::vector<glm::dvec3> corners;
-        for (const int joint : {i, i + 1}) {
-            const double angle = std::numbers::pi * joint / stones;
-            for (const double radius : {1.0 - 0.5 * thickness, 1.0 + 0.5 * thickness})
-                for (const double z : {-0.5 * depth, 0.5 * depth})
-                    corners.emplace_back(radius * std::cos(angle), radius * std::sin(angle), z);
-        }
-        scene.bodies.push_back(convex_body(corners));
-    }
     for (const double side : {-1.0, 1.0}) {
-        scene.bodies.push_back(box_body({0.6, 0.4, 2.0 * depth}, {side, -0.2, 0.0}));
+        scene.bodies.push_back(box_body({0.6, 0.4, 1.0}, {side, -0.2, 0.0}));
         scene.bodies.back().fixed = true;
     }
     set_friction(scene, friction);
@@ -164,15 +133,7 @@ Scene arch(double thickness, int stones, double friction) {
 }
 
 Scene pyramid(int rows, double edge) {
-    const double pitch = 1.1 * edge;
-    Scene scene;
-    const BodyDesc cube = box_body(glm::dvec3(edge), glm::dvec3(0.0));
-    for (int row = 0; row < rows; ++row)
-        for (int i = 0; i < rows - row; ++i) {
-            scene.bodies.push_back(cube);
-            scene.bodies.back().pose.position =
-                glm::vec3(glm::dvec3(pitch * (i - 0.5 * (rows - row - 1)), edge * (row + 0.5), 0.0));
-        }
+    Scene scene = solids(fracture::pyramid(static_cast<uint32_t>(rows), edge, 0.0));
     set_friction(scene, 0.5);
     return scene;
 }

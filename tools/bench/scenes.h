@@ -42,17 +42,15 @@ void set_friction(Scene& scene, double coefficient);
 // A stack of `count` cubes under a cube of the same size and `ratio` times the mass.
 [[nodiscard]] Scene loaded_stack(int count, double edge, double ratio);
 
-// A house of playing cards, 88 x 63 x 2 mm: `levels` pairs of leaning cards at the bottom, one pair less on each level,
-// and a row of lying cards between two levels. Cards lean by 20 degrees. A foot under any load needs a coefficient of
-// friction below tan 20 = 0.364; the scene has 0.49. Leaning cards are the first two bodies of a pair, level by level.
+// The shape card_house, with a coefficient of friction of 0.49: its feet need at most 0.364.
 [[nodiscard]] Scene card_house(int levels);
 
-// A semicircular arch of wedges (voussoirs) with a mean radius of 1 m, 0.5 m deep, between two fixed blocks whose tops
-// are y = 0. The blocks are the last bodies. There is no ground: an arch that fails falls through.
+// The shape stone_arch between two fixed blocks whose tops are y = 0. The blocks are the last bodies. There is no
+// ground: an arch that fails falls through.
 inline constexpr int arch_stones = 15;
 [[nodiscard]] Scene arch(double thickness, int stones = arch_stones, double friction = 0.7);
 
-// A wall of `rows` rows of cubes, one less in each row: rows * (rows + 1) / 2 bodies.
+// The shape pyramid: rows * (rows + 1) / 2 cubes.
 [[nodiscard]] Scene pyramid(int rows, double edge);
 
 // A flat box on a fixed slab that is tilted by `angle`, rad, about Z: it slides towards -X.
