@@ -57,6 +57,7 @@ void append_box(TriangleMesh& mesh, const glm::dvec3& centre, const glm::dvec3& 
 
 TriangleMesh stone_arch(double thickness, uint32_t stones, double joint) {
     stones = std::clamp(stones, 3u, max_stones);
+    thickness = std::clamp(thickness, 0.01, 1.0);
     constexpr double half_depth = 0.25;
     const double inner = 1.0 - 0.5 * thickness, outer = 1.0 + 0.5 * thickness;
     TriangleMesh mesh;

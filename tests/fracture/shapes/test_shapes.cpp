@@ -10,6 +10,7 @@
 #include <doctest/doctest.h>
 #include <glm/geometric.hpp>
 
+#include "fracture/mesh/intersections.h"
 #include "fracture/mesh/mass_properties.h"
 #include "fracture/mesh/topology.h"
 
@@ -63,6 +64,36 @@ TEST_CASE("cuboids and the arch have their volumes") {
         // sides.
         const double polygon = 0.5 * segments * 0.36 * std::sin(std::numbers::pi / segments);
         CHECK(volume(mesh) == doctest::Approx(0.3 * (2.0 * 1.5 - 1.2 * 0.7 - polygon)).epsilon(1e-12));
+    }
+}
+
+TEST_CASE("shapes of several solids: they touch nowhere, and have their volumes") {
+    struct Case {
+        TriangleMesh mesh;
+        size_t solids;
+        double volume; // of all
+    };
+    const double wedge = std::sin(pi / 15.0); // area of a stone without joint, per mean radius and thickness
+    const std::vector<Case> cases = {
+        {stone_arch(0.2, 15, 1e-9), 15, 15 * 0.5 * 0.2 * wedge},
+        {stone_arch(0.0, 1), 3, 3 * 0.5 * 0.01 * std::sin(pi / 3.0)}, // clamped
+        {card_house(0), 2, 2 * 0.088 * 0.063 * 0.002},
+        {card_house(4), 26, 26 * 0.088 * 0.063 * 0.002},
+        {domino_spiral(0), 1, 0.048 * 0.024 * 0.0075},
+        {domino_spiral(200), 200, 200 * 0.048 * 0.024 * 0.0075},
+        {pyramid(0), 1, 1.0},
+        {pyramid(10, 0.5), 55, 55 * 0.125},
+        {stack(0), 1, 1.0},
+        {stack(20, 0.1), 20, 20 * 1e-3},
+    };
+    for (const Case& c : cases) {
+        CAPTURE(c.solids);
+        const TopologyReport report = check_topology(c.mesh.positions.size(), c.mesh.triangles);
+        CHECK(report.manifold());
+        CHECK(report.components == c.solids);
+        CHECK(volume(c.mesh) == doctest::Approx(c.volume).epsilon(1e-3)); // joints take a little
+        CHECK(bounds(c.mesh).min.y > -1e-3);                              // a joint
+        CHECK(find_intersections(c.mesh, 10'000'000).pairs == 0);
     }
 }
 
