@@ -73,6 +73,22 @@ TEST_CASE("overlap: the same from either side, and along a shift by the depth th
     }
 }
 
+TEST_CASE("overlap: the share of a body that lies inside another one") {
+    const HullFeatures large = features_of(test_bodies::box_hull(glm::vec3(0.5f)));
+    const HullFeatures small = features_of(test_bodies::box_hull(glm::vec3(0.1f)));
+    const auto share = [&](float away) {
+        const std::vector<HullFeatures> hulls{large, small};
+        const std::vector<Pose> poses{{}, {{away, 0.0f, 0.0f}, {1.0f, 0.0f, 0.0f, 0.0f}}};
+        const std::vector<double> shares = shares_inside(hulls, poses);
+        CHECK(shares[0] == 0.0); // the larger one lies in none
+        return shares[1];
+    };
+    CHECK(share(0.2f) == 1.0);
+    CHECK(share(0.5f) == doctest::Approx(0.5).epsilon(0.3));
+    CHECK(share(0.601f) == 0.0);
+    CHECK(share(3.0f) == 0.0);
+}
+
 TEST_CASE("theory: the thinnest arch is that of Milankovitch, and thinner with few stones") {
     CHECK(min_arch_thickness(301) == doctest::Approx(0.1075).epsilon(0.002));
     double thinner = 0.0;

@@ -4,8 +4,12 @@
 #include <cmath>
 #include <limits>
 
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
+
+#include "fracture/base/random.h"
+#include "fracture/mesh/mass_properties.h"
 
 namespace brittle::tools {
 
@@ -47,6 +51,12 @@ double gap(const Placed& a, const Placed& b, const glm::dvec3& axis) {
     return lowest(b.points, axis) + lowest(a.points, -axis);
 }
 
+bool contains(const HullFeatures& hull, const glm::dvec3& at) {
+    for (size_t face = 0; face < hull.normals.size(); ++face)
+        if (glm::dot(hull.normals[face], at) > hull.offsets[face]) return false;
+    return true;
+}
+
 } // namespace
 
 HullFeatures features_of(const physics::CollisionHull& hull) {
@@ -57,6 +67,7 @@ HullFeatures features_of(const physics::CollisionHull& hull) {
     }
     features.radius += features.margin;
     const fracture::TriangleMesh mesh = physics::hull_mesh(hull.points);
+    features.volume = fracture::signed_volume(mesh.positions, mesh.triangles);
     for (const fracture::Triangle& triangle : mesh.triangles) {
         const glm::dvec3 &a = mesh.positions[triangle.x], &b = mesh.positions[triangle.y],
                          &c = mesh.positions[triangle.z];
@@ -65,6 +76,8 @@ HullFeatures features_of(const physics::CollisionHull& hull) {
         for (const auto& [from, to] : {std::pair(a, b), std::pair(b, c), std::pair(c, a)})
             if (from != to) add_direction(features.edges, glm::normalize(to - from), true);
     }
+    for (const glm::dvec3& normal : features.normals)
+        features.offsets.push_back(features.margin - lowest(features.points, -normal));
     return features;
 }
 
@@ -95,6 +108,38 @@ std::vector<double> overlaps(std::span<const HullFeatures> hulls, std::span<cons
             if (depth > 0.0) depths.push_back(depth);
         }
     return depths;
+}
+
+std::vector<double> shares_inside(std::span<const HullFeatures> hulls, std::span<const physics::Pose> poses) {
+    constexpr size_t samples = 64;
+    std::vector<std::vector<glm::dvec3>> inner; // by hull, world coordinates
+    fracture::Random random(1);
+    for (size_t i = 0; i < hulls.size(); ++i) {
+        fracture::Box box{hulls[i].points[0], hulls[i].points[0]};
+        for (const glm::dvec3& point : hulls[i].points)
+            box.min = glm::min(box.min, point), box.max = glm::max(box.max, point);
+        const glm::dquat turn = glm::normalize(glm::dquat(poses[i].orientation));
+        std::vector<glm::dvec3>& points = inner.emplace_back();
+        for (int draw = 0; draw < 10'000 && points.size() < samples; ++draw)
+            if (const glm::dvec3 at = random.uniform_in(box); contains(hulls[i], at))
+                points.push_back(glm::dvec3(poses[i].position) + turn * at);
+    }
+    std::vector<double> shares(hulls.size(), 0.0);
+    for (size_t i = 0; i < hulls.size(); ++i)
+        for (size_t j = i + 1; j < hulls.size(); ++j) {
+            const glm::dvec3 way = glm::dvec3(poses[i].position) - glm::dvec3(poses[j].position);
+            const double reach = hulls[i].radius + hulls[j].radius;
+            if (glm::dot(way, way) > reach * reach || inner[i].empty() || inner[j].empty()) continue;
+            const bool first = hulls[i].volume <= hulls[j].volume;
+            const size_t small = first ? i : j, large = first ? j : i;
+            const glm::dquat back = glm::conjugate(glm::normalize(glm::dquat(poses[large].orientation)));
+            const auto within = std::ranges::count_if(inner[small], [&](const glm::dvec3& at) {
+                return contains(hulls[large], back * (at - glm::dvec3(poses[large].position)));
+            });
+            shares[small] =
+                std::max(shares[small], static_cast<double>(within) / static_cast<double>(inner[small].size()));
+        }
+    return shares;
 }
 
 } // namespace brittle::tools

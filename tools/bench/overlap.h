@@ -21,9 +21,11 @@ namespace brittle::tools {
 struct HullFeatures {
     std::vector<glm::dvec3> points{};
     std::vector<glm::dvec3> normals{}; // of faces, unit
+    std::vector<double> offsets{};     // of the faces' planes: inside is normal . x <= offset; margin included
     std::vector<glm::dvec3> edges{};   // directions, unit
     double margin = 0.0;               // m
     double radius = 0.0;               // m, of the farthest point, margin included
+    double volume = 0.0;               // m^3, without the margin
 };
 [[nodiscard]] HullFeatures features_of(const physics::CollisionHull& hull);
 
@@ -33,5 +35,10 @@ struct HullFeatures {
 
 // Returns the depths of all pairs that overlap, m. Hulls and poses are by body.
 [[nodiscard]] std::vector<double> overlaps(std::span<const HullFeatures> hulls, std::span<const physics::Pose> poses);
+
+// Returns for each hull the largest share of its volume, 0 to 1, that lies inside another hull that is at least as large:
+// by 64 points inside it, to within about a twentieth.
+[[nodiscard]] std::vector<double> shares_inside(std::span<const HullFeatures> hulls,
+                                                std::span<const physics::Pose> poses);
 
 } // namespace brittle::tools

@@ -267,8 +267,49 @@ Outcome run_heap(const Options& options, uint32_t sites, int bunnies) {
     for (int i = 0; i < bunnies; ++i)
         if (!broken.add_to(run.world, {0.2f * static_cast<float>(i), 0.3f + 1.1f * static_cast<float>(i), 0.0f}))
             return {"a body was rejected", "", false};
-    const std::vector<double> times = run.steps(run.seconds, [&] { return run.world.awake_count() > 0; });
-    return {text("%zu pieces, ", run.world.body_count()) + times_text(times) + text(" in %g s", run.time()), "a time"};
+    size_t contacts = 0;
+    const std::vector<double> times = run.steps(run.seconds, [&] {
+        contacts = std::max(contacts, run.world.contact_count());
+        return run.world.awake_count() > 0;
+    });
+    return {text("%zu pieces, ", run.world.body_count()) + times_text(times) + text(" in %.1f s, ", run.time())
+                + text("at most %zu contact points", contacts),
+            "a time"};
+}
+
+// How a pile of `sites` lies: by the defaults, with their limit on bodies that collide, beside one in which all meet.
+Outcome run_rubble(const Options& options, uint32_t sites) {
+    const BrokenBunny broken(sites);
+    std::vector<HullFeatures> features;
+    for (const auto& hull : collision_hulls(broken.pieces)) features.push_back(features_of(*hull));
+    struct Pile {
+        double radius = 0.0, inside = 0.0; // m; share of pieces more than a fifth inside another
+        std::vector<double> times{};
+    };
+    const auto pile_of = [&](const WorldSettings& settings) {
+        Run run(Scene{.settings = settings}, options, 5.0);
+        Pile pile;
+        if (!broken.add_to(run.world, {0.0f, 0.3f, 0.0f})) return pile;
+        pile.times = run.steps(run.seconds);
+        std::vector<Pose> poses;
+        std::vector<double> reach;
+        for (const BodyId body : run.world.bodies()) {
+            poses.push_back(run.world.pose(body));
+            reach.push_back(std::hypot(poses.back().position.x, poses.back().position.z));
+        }
+        pile.radius = percentile_95(reach);
+        for (const double share : shares_inside(features, poses))
+            if (share > 0.2) pile.inside += 1.0 / static_cast<double>(poses.size());
+        return pile;
+    };
+    const Pile pile = pile_of({.sleeping = false});
+    const Pile meeting = pile_of({.debris_size = 0.0f, .max_colliding = 0, .sleeping = false});
+    return {text("%zu pieces, %.1f %% more than a fifth inside another, radius %.2f m, ", features.size(),
+                 100.0 * pile.inside, pile.radius)
+                + times_text(pile.times) + text("; all meet: %.1f %%, %.2f m, ", 100.0 * meeting.inside, meeting.radius)
+                + times_text(meeting.times),
+            "no more inside than where all meet, radius within 10 %",
+            pile.inside <= meeting.inside && std::abs(pile.radius / meeting.radius - 1.0) <= 0.1};
 }
 
 // A scene of thousands of bodies; `before_step` moves those that something drives.
@@ -332,7 +373,9 @@ std::vector<Row> all_rows(bool large) {
     add("heap of 1,013, all meet", [](const Options& options) { return run_heap(options, sites_for_1000, 1); });
     add("heap of 2,973, all meet", [](const Options& options) { return run_heap(options, 8200, 1); });
     add("heap of two bunnies, all meet", [](const Options& options) { return run_heap(options, 1000, 2); });
+    add("rubble of 2,973, defaults, awake", [](const Options& options) { return run_rubble(options, 8200); });
     if (!large) return rows;
+    add("large: rubble of 20,000, defaults, awake", [](const Options& options) { return run_rubble(options, 66000); });
     add("large: convex pile", [](const Options& options) { return run_large(options, convex_pile(), [](Run&) {}); });
     add("large: junkyard", [](const Options& options) {
         return run_large(options, junkyard(), [](Run& run) { stir(run.world, run.bodies.back()); });
