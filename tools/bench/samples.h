@@ -15,10 +15,10 @@ inline double median(std::vector<double> samples) {
     std::nth_element(samples.begin(), middle, samples.end());
     return *middle;
 }
-// 0 without samples.
+// The smallest sample that at least 95 of a hundred do not exceed; 0 without samples.
 inline double percentile_95(std::vector<double> samples) {
     if (samples.empty()) return 0.0;
-    const auto at = samples.begin() + static_cast<std::ptrdiff_t>(samples.size() * 95 / 100);
+    const auto at = samples.begin() + static_cast<std::ptrdiff_t>((samples.size() * 95 + 99) / 100 - 1);
     std::nth_element(samples.begin(), at, samples.end());
     return *at;
 }
