@@ -31,6 +31,8 @@ constexpr size_t even_directions = 160;
 constexpr double golden_angle = 2.399963229728653; // rad, of Vogel's spiral
 // Cosine of 3 degrees: faces at a smaller angle look like one.
 constexpr double same_face = 0.9986;
+// Corners that are nearer to a face's plane than this part of the hull's extent may belong to it.
+constexpr double same_plane = 2e-3;
 
 struct Plane {
     glm::dvec3 normal{0.0}; // outwards, unit
@@ -290,10 +292,112 @@ CollisionHull flat_hull(const std::vector<glm::dvec3>& points, const OrientedExt
     hull.section = section_of(thick);
     for (const glm::dvec3& point : outline)
         for (const glm::dvec3& offset : offsets) hull.points.push_back(glm::vec3(extents.centre + point + offset));
+    hull.faces = hull_faces(hull.points);
     return hull;
 }
 
+// A face as the hull computer returns it.
+struct RawFace {
+    std::vector<uint16_t> corners; // indices of points, once around
+    glm::dvec3 area{0.0};          // m^2, outwards
+};
+
+// Returns the corners of the convex polygon that points span in a plane, counter-clockwise seen against the normal
+// (monotone chain; A. Andrew, "Another efficient algorithm for convex hulls in two dimensions", 1979).
+std::vector<uint16_t> outline_of(std::span<const glm::vec3> points, std::vector<uint16_t> corners,
+                                 const glm::dvec3& normal) {
+    const glm::dvec3 helper = std::abs(normal.x) < 0.6 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
+    const glm::dvec3 u = glm::normalize(glm::cross(helper, normal)), v = glm::cross(normal, u);
+    const auto flat = [&](uint16_t i) {
+        const glm::dvec3 p(points[i]);
+        return glm::dvec2(glm::dot(u, p), glm::dot(v, p));
+    };
+    std::ranges::sort(corners);
+    corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
+    std::ranges::stable_sort(corners, [&](uint16_t a, uint16_t b) {
+        const glm::dvec2 p = flat(a), q = flat(b);
+        return p.x < q.x || (p.x == q.x && p.y < q.y);
+    });
+    std::vector<uint16_t> loop;
+    const auto add = [&](uint16_t corner, size_t from) {
+        const auto turns_left = [&] {
+            const glm::dvec2 a = flat(loop[loop.size() - 2]), b = flat(loop.back()), c = flat(corner);
+            const glm::dvec2 first = b - a, second = c - b;
+            const double cross = first.x * second.y - first.y * second.x;
+            return cross > 1e-4 * std::sqrt(glm::dot(first, first) * glm::dot(second, second));
+        };
+        while (loop.size() >= from + 2 && !turns_left()) loop.pop_back();
+        loop.push_back(corner);
+    };
+    for (const uint16_t corner : corners) add(corner, 0);
+    const size_t lower = loop.size() - 1;
+    for (size_t i = corners.size() - 1; i-- > 0;) add(corners[i], lower);
+    loop.pop_back();
+    return loop;
+}
+
 } // namespace
+
+HullFaces hull_faces(std::span<const glm::vec3> points) {
+    HullFaces faces;
+    if (points.size() < 4 || points.size() > UINT16_MAX) return faces;
+    btConvexHullComputer computer;
+    computer.compute(&points[0].x, static_cast<int>(sizeof(glm::vec3)), static_cast<int>(points.size()), 0.0f, 0.0f);
+    if (computer.vertices.size() < 4 || computer.faces.size() < 4) return faces;
+    const auto index_of = [&](int vertex) { return static_cast<uint16_t>(computer.original_vertex_index[vertex]); };
+    std::vector<RawFace> raw(static_cast<size_t>(computer.faces.size()));
+    std::vector<glm::dvec3> used; // vertices
+    glm::dvec3 low(points[0]), high = low, middle(0.0);
+    for (int vertex = 0; vertex < computer.vertices.size(); ++vertex) {
+        const glm::dvec3 p(points[index_of(vertex)]);
+        used.push_back(p);
+        low = glm::min(low, p);
+        high = glm::max(high, p);
+        middle += p / static_cast<double>(computer.vertices.size());
+    }
+    for (size_t i = 0; i < raw.size(); ++i) {
+        const btConvexHullComputer::Edge* const first = &computer.edges[computer.faces[static_cast<int>(i)]];
+        const btConvexHullComputer::Edge* edge = first;
+        do {
+            raw[i].corners.push_back(index_of(edge->getSourceVertex()));
+            edge = edge->getNextEdgeOfFace();
+        } while (edge != first);
+        const glm::dvec3 apex(points[raw[i].corners[0]]);
+        for (size_t k = 2; k < raw[i].corners.size(); ++k)
+            raw[i].area += 0.5
+                           * glm::cross(glm::dvec3(points[raw[i].corners[k - 1]]) - apex,
+                                        glm::dvec3(points[raw[i].corners[k]]) - apex);
+        if (glm::dot(raw[i].area, apex - middle) < 0.0) raw[i].area = -raw[i].area; // the computer's winding varies
+    }
+    std::ranges::stable_sort(
+        raw, [](const RawFace& a, const RawFace& b) { return glm::dot(a.area, a.area) > glm::dot(b.area, b.area); });
+    const double tolerance = same_plane * std::max({high.x - low.x, high.y - low.y, high.z - low.z});
+    std::vector<uint8_t> taken(raw.size(), 0);
+    for (size_t i = 0; i < raw.size(); ++i) {
+        const double length = glm::length(raw[i].area);
+        if (taken[i] || !(length > 0.0)) continue;
+        const glm::dvec3 normal = raw[i].area / length;
+        const double distance = glm::dot(normal, glm::dvec3(points[raw[i].corners[0]]));
+        // A sliver between nearly straight corners: the computer's grid tilts its plane into the hull.
+        if (std::ranges::any_of(used, [&](const glm::dvec3& p) { return glm::dot(normal, p) > distance + tolerance; }))
+            continue;
+        std::vector<uint16_t> corners = raw[i].corners;
+        for (size_t k = i + 1; k < raw.size(); ++k) {
+            if (taken[k] || glm::dot(raw[k].area, normal) < same_face * glm::length(raw[k].area)) continue;
+            if (std::ranges::any_of(raw[k].corners, [&](uint16_t corner) {
+                    return std::abs(glm::dot(normal, glm::dvec3(points[corner])) - distance) > tolerance;
+                }))
+                continue;
+            taken[k] = 1;
+            corners.insert(corners.end(), raw[k].corners.begin(), raw[k].corners.end());
+        }
+        const std::vector<uint16_t> loop = outline_of(points, std::move(corners), normal);
+        if (loop.size() < 3) continue;
+        faces.corners.insert(faces.corners.end(), loop.begin(), loop.end());
+        faces.ends.push_back(static_cast<uint16_t>(faces.corners.size()));
+    }
+    return faces;
+}
 
 CollisionHull collision_hull(std::span<const glm::dvec3> points, glm::dvec3 origin, const HullSettings& settings) {
     const std::vector<glm::dvec3> local = finite_points(points, origin);
@@ -319,6 +423,7 @@ CollisionHull collision_hull(std::span<const glm::dvec3> points, glm::dvec3 orig
     hull.section = full->section;
     for (const glm::dvec3& vertex : supporting_subset(inner->vertices, directions, max_vertices))
         hull.points.push_back(glm::vec3(vertex));
+    hull.faces = hull_faces(hull.points);
     return hull;
 }
 

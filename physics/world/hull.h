@@ -41,9 +41,25 @@ struct HullSettings {
     float max_margin = 0.01f;
 };
 
+// The faces of a convex hull: convex polygons, each a loop of indices into the points, counter-clockwise seen from
+// outside. Contacts between two hulls are clipped from their faces.
+struct HullFaces {
+    std::vector<uint16_t> corners{}; // of all faces, face by face
+    std::vector<uint16_t> ends{};    // by face: the end of its corners; the next face begins there
+
+    [[nodiscard]] size_t count() const { return ends.size(); }
+    [[nodiscard]] size_t begin_of(size_t face) const { return face == 0 ? 0 : ends[face - 1]; }
+    [[nodiscard]] std::span<const uint16_t> of(size_t face) const {
+        return std::span(corners).subspan(begin_of(face), ends[face] - begin_of(face));
+    }
+};
+
 struct CollisionHull {
     std::vector<glm::vec3> points{}; // at least 4, not coplanar, relative to the origin
     float margin = 0.0f;             // m, > 0; thickness of the collision shell around the points
+    // If empty, they are computed from the points when the hull becomes a body, which takes longer than the rest of
+    // that. They stay valid when the points are moved, rotated or scaled together.
+    HullFaces faces{};
     // Shadow area for air drag, margin included. If empty, it is computed from the points when the hull becomes a
     // body, which takes longer than the rest of that. Code that transforms the points must transform the sides or
     // clear them.
@@ -75,6 +91,11 @@ using HullEdge = std::pair<uint32_t, uint32_t>;
 // Returns the edges of the convex hull of points, each once, for drawing. Edges between faces that enclose less than 3
 // degrees are left out. Fewer than 4 points, or coplanar ones, may give none.
 [[nodiscard]] std::vector<HullEdge> hull_edges(std::span<const glm::vec3> points);
+
+// Returns the faces of the convex hull of points. Faces that enclose less than 3 degrees with a larger one, and lie in
+// its plane to 2 thousandths of the hull's extent, belong to that face; corners in the middle of a straight edge are
+// left out. Fewer than 4 points, coplanar ones, or more than 65,535, give none.
+[[nodiscard]] HullFaces hull_faces(std::span<const glm::vec3> points);
 
 // Returns the cross section of the convex hull of points, or of their bounding box if they span no volume.
 [[nodiscard]] CrossSection cross_section(std::span<const glm::vec3> points);
