@@ -10,6 +10,7 @@
 #include <btBulletDynamicsCommon.h>
 #include <glm/geometric.hpp>
 
+#include "physics/bullet/bullet_joint.h"
 #include "physics/world/body_form.h"
 #include "physics/world/world_check.h"
 
@@ -18,6 +19,7 @@ namespace brittle::physics {
 namespace {
 
 constexpr float units = 10.0f; // Bullet's lengths per metre
+constexpr int iterations = 20; // of its contact solver
 
 // Quantities without a factor of length: axes, angular velocities.
 btVector3 to_bullet(const glm::vec3& v) {
@@ -72,6 +74,19 @@ struct BulletBody {
     }
 };
 
+struct BulletJoint {
+    JointId id;
+    BulletBody *a = nullptr, *b = nullptr; // null: the world
+    JointKind kind = JointKind::ball;
+    btVector3 in_a{0, 0, 0}, in_b{0, 0, 0}, axis{0, 0, 0}; // the axis in a's frame
+    float max_force = 0.0f;                                // N
+    std::unique_ptr<btTypedConstraint> constraint;         // null between two sides that never move
+    std::unique_ptr<btJointFeedback> feedback;             // of the last step, in Bullet's units
+
+    // N
+    [[nodiscard]] float force() const { return feedback->m_appliedForceBodyA.length() / units; }
+};
+
 class BulletEngine final : public Engine {
   public:
     explicit BulletEngine(const WorldSettings& settings);
@@ -105,6 +120,14 @@ class BulletEngine final : public Engine {
         return bodies_[body]->rigid->computeImpulseDenominator(metres_to_bullet(point), to_bullet(direction));
     }
 
+    [[nodiscard]] BodyId stopped_by(size_t) const override { return {}; }
+    [[nodiscard]] glm::mat3 inverse_inertia(size_t body) const override {
+        const btMatrix3x3& inverse = bodies_[body]->rigid->getInvInertiaTensorWorld();
+        glm::mat3 result;
+        for (int column = 0; column < 3; ++column) result[column] = to_glm(inverse.getColumn(column)) * (units * units);
+        return result;
+    }
+
     void wake(size_t body) override {
         if (!bodies_[body]->fixed) bodies_[body]->rigid->activate(true);
     }
@@ -113,8 +136,14 @@ class BulletEngine final : public Engine {
     float rewind(size_t body) override;
     void move_on(size_t body, float seconds) override;
 
+    void add_joint(JointId id, const Joint& joint, const JointBodies& bodies) override;
+    void remove_joint(JointId id) override;
+    [[nodiscard]] float joint_force(JointId id) const override { return (*find(id))->force(); }
+    [[nodiscard]] std::span<const JointId> broken_joints() const override { return broken_; }
+
     [[nodiscard]] std::span<const Contact> contacts() override;
     [[nodiscard]] std::span<const Contact> solved_contacts() override;
+    [[nodiscard]] std::vector<CastHit> cast(size_t, size_t, float) const override { return {}; }
     void amend_contact(size_t index, const Contact& contact) override { contacts_[index] = contact; }
     [[nodiscard]] size_t contact_count() const override;
 
@@ -127,6 +156,12 @@ class BulletEngine final : public Engine {
     [[nodiscard]] Result<std::unique_ptr<BulletBody>> make(BodyId id, const BodyDesc& desc) const;
     btConvexHullShape& add_hull(BulletBody& body, const CollisionHull& hull, const glm::quat& rotation) const;
     void set_ccd(BulletBody& body) const;
+    using JointList = std::vector<std::unique_ptr<BulletJoint>>;
+    [[nodiscard]] JointList::const_iterator find(JointId id) const {
+        return std::ranges::lower_bound(joints_, id, {}, [](const auto& joint) { return joint->id; });
+    }
+    void end_joint(JointList::const_iterator joint);
+    void note_joints();
     [[nodiscard]] const BulletBody* body_of(const btCollisionObject* object) const;
     [[nodiscard]] Contact report_of(const btPersistentManifold& manifold, const btManifoldPoint& point) const;
     void report();
@@ -144,6 +179,8 @@ class BulletEngine final : public Engine {
     std::unique_ptr<btStaticPlaneShape> ground_shape_;
     std::unique_ptr<btRigidBody> ground_;
     std::vector<std::unique_ptr<BulletBody>> bodies_; // in body order; the rigid bodies' user index points here
+    JointList joints_;                                // ascending
+    std::vector<JointId> broken_;                     // in the last step
     std::vector<uint8_t> moved_;
     std::vector<Contact> contacts_;
     size_t solved_count_ = 0; // of contacts_: those with an awake body come first
@@ -154,7 +191,7 @@ BulletEngine::BulletEngine(const WorldSettings& settings) : settings_(settings) 
     const std::lock_guard lock(bullet_mutex());
     world_.setGravity(metres_to_bullet(settings.gravity));
     btContactSolverInfo& info = world_.getSolverInfo();
-    info.m_numIterations = static_cast<int>(settings.solver_iterations);
+    info.m_numIterations = iterations;
     info.m_splitImpulse = 1;
     if (!settings.ground_height) return;
     ground_shape_ = std::make_unique<btStaticPlaneShape>(btVector3(0, 1, 0), *settings.ground_height * units);
@@ -168,6 +205,7 @@ BulletEngine::BulletEngine(const WorldSettings& settings) : settings_(settings) 
 
 BulletEngine::~BulletEngine() {
     const std::lock_guard lock(bullet_mutex());
+    while (!joints_.empty()) end_joint(joints_.begin());
     for (size_t i = bodies_.size(); i-- > 0;) world_.removeRigidBody(bodies_[i]->rigid.get());
     if (ground_) world_.removeRigidBody(ground_.get());
 }
@@ -299,6 +337,7 @@ void BulletEngine::step() {
         body->unhindered = body->velocity();
         if (!body->fixed && body->rigid->isActive()) body->unhindered.linear += fall;
     }
+    for (const auto& joint : joints_) *joint->feedback = {};
     const btScalar deactivation = std::exchange(gDeactivationTime, settings_.sleep_seconds);
     world_.stepSimulation(settings_.step, 0); // one step of exactly that length
     gDeactivationTime = deactivation;
@@ -308,8 +347,76 @@ void BulletEngine::step() {
         moved_[i] = !(body.rigid->getWorldTransform() == body.step_start);
         body.solved = body.velocity();
     }
+    note_joints();
     contacts_.clear();
     reported_ = false;
+}
+
+void BulletEngine::add_joint(JointId id, const Joint& joint, const JointBodies& bodies) {
+    const std::lock_guard lock(bullet_mutex());
+    auto made = std::make_unique<BulletJoint>();
+    made->id = id;
+    made->kind = joint.kind;
+    made->max_force = joint.max_force;
+    made->feedback = std::make_unique<btJointFeedback>();
+    *made->feedback = {};
+    const auto body_of = [&](size_t index) { return index == JointBodies::none ? nullptr : bodies_[index].get(); };
+    made->a = body_of(bodies.a);
+    made->b = body_of(bodies.b);
+    const auto in = [](const BulletBody* body, const glm::vec3& v) {
+        return body ? glm::conjugate(body->to_principal) * v : v;
+    };
+    const auto rigid_of = [](const BulletBody* body) -> btRigidBody& {
+        return body ? *body->rigid : btTypedConstraint::getFixedBody();
+    };
+    btRigidBody &a = rigid_of(made->a), &b = rigid_of(made->b);
+    made->in_a = metres_to_bullet(in(made->a, joint.a.anchor));
+    made->in_b = metres_to_bullet(in(made->b, joint.b.anchor));
+    made->axis = to_bullet(in(made->a, joint.a.axis));
+    const bool moves = (made->a && !made->a->fixed) || (made->b && !made->b->fixed);
+    if (moves && joint.kind == JointKind::ball)
+        made->constraint = std::make_unique<btPoint2PointConstraint>(a, b, made->in_a, made->in_b);
+    else if (moves && joint.kind == JointKind::hinge)
+        made->constraint = std::make_unique<btHingeConstraint>(a, b, made->in_a, made->in_b, made->axis,
+                                                               to_bullet(in(made->b, joint.b.axis)));
+    else if (moves)
+        made->constraint = std::make_unique<BulletDistance>(a, b, made->in_a, made->in_b, joint.min_length * units,
+                                                            joint.max_length * units);
+    if (moves) {
+        made->constraint->setJointFeedback(made->feedback.get());
+        world_.addConstraint(made->constraint.get(), !joint.collide);
+    }
+    for (const BulletBody* body : {made->a, made->b})
+        if (body && !body->fixed) body->rigid->activate(true);
+    joints_.insert(find(id), std::move(made));
+}
+
+void BulletEngine::end_joint(JointList::const_iterator joint) {
+    if ((*joint)->constraint) world_.removeConstraint((*joint)->constraint.get());
+    for (const BulletBody* body : {(*joint)->a, (*joint)->b})
+        if (body && !body->fixed) body->rigid->activate(true);
+    joints_.erase(joint);
+}
+
+void BulletEngine::remove_joint(JointId id) {
+    const std::lock_guard lock(bullet_mutex());
+    end_joint(find(id));
+}
+
+// Adds the joints' impulses to the velocities that rewind() restores, and ends overloaded joints.
+void BulletEngine::note_joints() {
+    broken_.clear();
+    for (const auto& joint : joints_) {
+        const auto push = [&](BulletBody* body, const btVector3& force, const btVector3& torque) {
+            if (!body || body->fixed) return;
+            body->unhindered.linear += force * (settings_.step * body->rigid->getInvMass());
+            body->unhindered.angular += body->rigid->getInvInertiaTensorWorld() * torque * settings_.step;
+        };
+        push(joint->a, joint->feedback->m_appliedForceBodyA, joint->feedback->m_appliedTorqueBodyA);
+        push(joint->b, joint->feedback->m_appliedForceBodyB, joint->feedback->m_appliedTorqueBodyB);
+        if (joint->force() > joint->max_force) broken_.push_back(joint->id);
+    }
+    for (const JointId id : broken_) end_joint(find(id));
 }
 
 AwakeCount BulletEngine::awake_count() const {
@@ -455,6 +562,18 @@ void BulletEngine::debug_lines(std::vector<DebugLine>& out, const DebugDraw& dra
             for (const auto& [from, to] : hull_edges(points))
                 out.push_back({points[from], points[to], hull_colour(awake(i))});
         }
+    }
+    for (const auto& joint : joints_) {
+        if (!draw.joints) break;
+        const auto frame = [](const BulletBody* body) {
+            return body ? body->rigid->getWorldTransform() : btTransform::getIdentity();
+        };
+        const glm::vec3 a = metres_from_bullet(frame(joint->a) * joint->in_a);
+        const glm::vec3 axis = to_glm(frame(joint->a).getBasis() * joint->axis);
+        out.push_back({a,
+                       joint->kind == JointKind::hinge ? a + axis * joint_axis_length
+                                                       : metres_from_bullet(frame(joint->b) * joint->in_b),
+                       joint_colour});
     }
     if (!draw.contacts) return;
     for_each_manifold([&](const btPersistentManifold& manifold) {

@@ -16,6 +16,11 @@ namespace {
 // holds up less of what it broke off, which breaks again: 8 % more pieces, in twice as many steps.
 constexpr float debris_factor = 2.0f;
 
+// The faces of a hull; nearly every hull holds them.
+HullFaces faces_of(const CollisionHull& hull) {
+    return hull.faces.count() == 0 ? hull_faces(hull.points) : hull.faces;
+}
+
 // Rotates the hull into the principal axes, the axes of the solver's frame. Precondition: to_principal is set.
 HullShape shape_of(const BodyMeasures& body, const CollisionHull& hull, const glm::vec3& offset) {
     const glm::quat from_body = glm::conjugate(body.to_principal);
@@ -29,7 +34,7 @@ HullShape shape_of(const BodyMeasures& body, const CollisionHull& hull, const gl
         four.x.store(x), four.y.store(y), four.z.store(z);
         for (size_t i = 0; i < std::min<size_t>(count - first, 4); ++i) points.push_back(glm::vec3(x[i], y[i], z[i]));
     }
-    return {std::move(points), hull.margin};
+    return {std::move(points), hull.margin, faces_of(hull)};
 }
 
 void measure(BodyMeasures& body, const HullShape& hull) {
@@ -194,14 +199,6 @@ void Body::set_frame(const Transform& to) {
     const glm::mat3 scaled(to.basis[0] * inverse_moments.x, to.basis[1] * inverse_moments.y,
                            to.basis[2] * inverse_moments.z);
     inverse_inertia = scaled * glm::transpose(to.basis);
-}
-
-void Body::start_step() {
-    corrected_at_start = std::exchange(has_correction, false) && awake();
-    if (corrected_at_start)
-        set_frame(
-            {matrix_of(rotation_of(correction.basis) * rotation_of(frame.basis)), frame.origin + correction.origin});
-    step_start = frame;
 }
 
 Mechanics mechanics_of(const Body& body, const glm::vec3& gravity) {

@@ -1,6 +1,7 @@
 // A rigid body of the solver: shape, mass, state, and results of the last step.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -68,14 +69,16 @@ struct Body : BodyMeasures {
     std::vector<HullEdge> edges;             // of the one hull, for debug lines; filled when they are first drawn
 
     // Results of the last step.
-    Transform step_start;            // frame at the start of the step, after the correction of overlap
-    bool corrected_at_start = false; // whether that correction moved it
-    Transform correction;            // of overlap, applied at the start of the next step: rotation and translation
-    bool has_correction = false;
+    Transform step_start;        // frame at the start of the step
     float moving_seconds = 0.0f; // s, less than the step if continuous collision stopped the body
+    Velocity motion;             // with which the body moves in the step: before its bounce (row_solver.h)
+    BodyId stopped_by;           // at which continuous collision did so
     Velocity unhindered, solved; // before contacts, with the step's gravity; and after contacts
     Transform rewind_frame;      // the frame that World::rewind() restores
     float rewind_seconds = 0.0f; // s, time that the body moved from there without a contact
+
+    uint32_t joints = 0;            // number of its joints (joints.h)
+    std::vector<const Body*> apart; // bodies that it makes no contacts with, because joints connect them
 
     // Rest (sleeping.h).
     float still_seconds = 0.0f;       // s, of being slow while it touches something
@@ -102,10 +105,11 @@ struct Body : BodyMeasures {
     }
     [[nodiscard]] glm::vec3 velocity_at(const glm::vec3& point) const { return velocity.at(point - frame.origin); }
 
+    [[nodiscard]] bool is_apart_from(const Body& other) const {
+        return std::ranges::find(apart, &other) != apart.end();
+    }
     void set_frame(const Transform& to);
-    // Applies the correction of overlap, unless the body sleeps, and stores step_start.
-    void start_step();
-    [[nodiscard]] bool has_moved() const { return corrected_at_start || !(frame == step_start); }
+    [[nodiscard]] bool has_moved() const { return !(frame == step_start); }
     [[nodiscard]] Pose pose() const { return pose_in(frame); }
     [[nodiscard]] Pose pose_in(const Transform& at) const {
         return {at.origin, rotation_of(at.basis) * glm::conjugate(to_principal)};

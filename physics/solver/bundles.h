@@ -24,6 +24,8 @@ class Bundles {
     void finish(uint32_t min_points);
 
     [[nodiscard]] uint32_t count() const { return count_; }
+    // The component of a mover, named by one of its movers.
+    [[nodiscard]] uint32_t component(uint32_t mover) const { return parents_[mover]; }
     // The bundle of a mover; `none` for a mover that touches no other mover.
     [[nodiscard]] uint32_t of(uint32_t mover) const { return bundles_[mover]; }
 

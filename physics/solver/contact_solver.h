@@ -1,8 +1,6 @@
 // Solves the contacts of a step (row_solver.h) and reports them as World::contacts().
 //
-// A reported overlap is limited to what one step may correct (WorldSettings::separation_speed). Bodies are moved apart
-// at the start of the next step. Until then their positions are those of the solution, so the angular momentum in a
-// report equals the moment of its impulses.
+// A reported overlap is limited to what one step may correct (WorldSettings::separation_speed).
 #pragma once
 
 #include <span>
@@ -21,8 +19,10 @@ class ContactSolver {
     ContactSolver(const WorldSettings& settings, const SweepBroadphase& broadphase)
         : settings_(settings), broadphase_(broadphase) {}
 
-    // Solves all contacts of the awake bodies. The manifolds must live until they are reported or a body is removed.
-    void solve(std::span<Body* const> awake, std::span<const AnyManifold> manifolds, fracture::Threads& threads);
+    // Solves all contacts and joints of the awake bodies. The manifolds must live until they are reported or a body is
+    // removed.
+    void solve(std::span<Body* const> awake, std::span<const AnyManifold> manifolds, Joints& joints,
+               fracture::Threads& threads);
     // The contacts that the last step solved, in the order of manifolds. The first call makes the report; it must
     // precede the removal of a body.
     [[nodiscard]] std::span<const Contact> solved_contacts();
@@ -36,8 +36,7 @@ class ContactSolver {
     void report_solved();
     void report_sleeping();
     [[nodiscard]] Contact report_of(const Manifold& manifold, const ContactPoint& point) const;
-    [[nodiscard]] Contact report_of(const GroundManifold& manifold, const GroundPoint& point, float impulse,
-                                    float friction) const;
+    [[nodiscard]] Contact report_of(const GroundManifold& manifold, const GroundPoint& point) const;
 
     const WorldSettings& settings_;
     const SweepBroadphase& broadphase_;

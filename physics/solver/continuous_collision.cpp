@@ -25,7 +25,7 @@ bool exceeds(float way, float length) {
 
 // The longest path of any point of the body, m.
 float way_of(const Body& body, float seconds) {
-    return (glm::length(body.velocity.linear) + glm::length(body.velocity.angular) * body.reach) * seconds;
+    return (glm::length(body.motion.linear) + glm::length(body.motion.angular) * body.reach) * seconds;
 }
 
 // The longest path of a point of the body by rotation alone, m.
@@ -74,8 +74,8 @@ void ContinuousCollision::find_stops(float seconds) {
             continue;
         const bool first = may_be_stopped(event.first, event.second);
         const bool second = may_be_stopped(event.second, event.first);
-        if (first) stop(event.first, event.seconds);
-        if (second) stop(event.second, event.seconds);
+        if (first) stop(event.first, event.second, event.seconds);
+        if (second) stop(event.second, event.first, event.seconds);
         if (first) pair_with_moving(event.first, event.seconds);
         if (second) pair_with_moving(event.second, event.seconds);
         add_events(event.seconds);
@@ -120,7 +120,7 @@ void ContinuousCollision::find_trajectories(float seconds) {
             const Body& body = *bodies_[i];
             const bool awake = summaries_[i].awake;
             trajectories_[i] = {.start = body.frame,
-                                .velocity = {summaries_[i].linear, awake ? body.velocity.angular : glm::vec3(0.0f)},
+                                .velocity = {summaries_[i].linear, awake ? body.motion.angular : glm::vec3(0.0f)},
                                 .moments = body.moments,
                                 .stop = awake ? seconds : 0.0f};
         }
@@ -133,7 +133,7 @@ void ContinuousCollision::grow_crossing() {
 
 ContinuousCollision::Summary ContinuousCollision::summary_of(const Body& body, float seconds) {
     const bool awake = body.awake();
-    return {.linear = awake ? body.velocity.linear : glm::vec3(0.0f),
+    return {.linear = awake ? body.motion.linear : glm::vec3(0.0f),
             .way = awake ? way_of(body, seconds) : 0.0f,
             .crossing_way = std::max(half * body.thickness, half * min_way),
             .fixed = body.fixed,
@@ -243,14 +243,14 @@ ContinuousCollision::Event ContinuousCollision::event_of(uint32_t first, uint32_
     return event;
 }
 
-void ContinuousCollision::stop(uint32_t body, float seconds) {
+void ContinuousCollision::stop(uint32_t body, uint32_t by, float seconds) {
     trajectories_[body].stop = seconds;
     trajectories_[body].find_end();
-    stops_.push_back({bodies_[body].get(), seconds});
+    stops_.push_back({bodies_[body].get(), seconds, bodies_[by]->id});
 }
 
 bool ContinuousCollision::may_be_stopped(uint32_t body, uint32_t by) const {
-    if (!is_fast_[body] || trajectories_[body].stop < end_) return false;
+    if (!is_fast_[body] || trajectories_[body].stop < end_ || bodies_[body]->is_apart_from(*bodies_[by])) return false;
     if (bodies_[by]->fixed) return true;
     if (bodies_[body]->debris || bodies_[by]->debris) return false;
     return bodies_[by]->reach > crumb_part * bodies_[body]->thickness && !is_light(by, body);

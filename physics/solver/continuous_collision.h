@@ -16,8 +16,8 @@
 //   moving body.
 // - Without a fast body, the cost is one comparison a body.
 //
-// Rejected: speculative contacts with fixed bodies. They lose no time, but split a blow over two steps and deflect
-// bodies that pass an edge.
+// Rejected: speculative contacts with fixed bodies at any distance. They lose no time, but deflect bodies that pass an
+// edge.
 //
 // Metres, seconds. Not thread-safe; works on several threads itself.
 #pragma once
@@ -41,8 +41,6 @@ class ContinuousCollision {
   public:
     // A body with less than this part of another body's mass does not stop it.
     static constexpr float light_part = 0.5f;
-    // A body with this many times the reach of another acts as a floor or a wall for it.
-    static constexpr float larger_factor = 3.0f;
 
     // The bounds in the broadphase must be those of the start of the step; find() extends the bounds of crossing bodies
     // by their paths, until they are set again.
@@ -53,6 +51,7 @@ class ContinuousCollision {
     struct Stop {
         Body* body;
         float seconds; // of motion, less than the step
+        BodyId by;     // the body that it meets
     };
     // Returns the bodies that stop if all awake bodies move for `seconds` from their current poses, in the order of
     // time. Valid until the next call.
@@ -98,7 +97,7 @@ class ContinuousCollision {
     // Adds the events of the pairs in kept_, from a time on.
     void add_events(float from);
     [[nodiscard]] Event event_of(uint32_t first, uint32_t second, float from) const;
-    void stop(uint32_t body, float seconds);
+    void stop(uint32_t body, uint32_t by, float seconds);
     [[nodiscard]] bool may_be_stopped(uint32_t body, uint32_t by) const;
     [[nodiscard]] bool is_light(uint32_t body, uint32_t against) const;
 

@@ -96,10 +96,9 @@ float max_contact_height(const HullShape& hull, const Body& body, float arm, con
 }
 
 // The data of a contact that persists to the next step.
-struct WarmStart {
-    int corner;
-    float normal_impulse, friction_impulse;
-    glm::vec3 tangent;
+struct Known {
+    int corner = 0;
+    PointImpulse last, start;
 };
 
 class GroundContacts final : public PairContacts {
@@ -190,33 +189,32 @@ class GroundContacts final : public PairContacts {
     // A corner that was a contact before keeps its impulses for warm starting.
     void replace_contacts(const std::vector<Corner>& corners, const ContactStep& step) {
         GroundManifold& manifold = *manifold_;
-        std::array<WarmStart, max_corners> old;
+        std::array<Known, max_corners> old;
         const size_t known = manifold.count;
         std::ranges::transform(manifold.points(), old.begin(), [](const GroundPoint& point) {
-            return WarmStart{point.corner, point.warm_normal_impulse(), point.warm_friction_impulse(), point.tangent};
+            return Known{point.corner, point.last, point.start};
         });
         const Body& body = *hull_.body;
         manifold.body = &body;
         manifold.part = hull_.part;
         manifold.friction = combined_friction(body.friction, step.ground_friction);
+        manifold.slop = slop_part * hull_.shape->rotation_radius();
         manifold.restitution = body.restitution * step.ground_restitution;
         manifold.count = static_cast<uint32_t>(corners.size());
-        const std::span<const WarmStart> starts = std::span(old).first(known);
+        const std::span<const Known> starts = std::span(old).first(known);
         for (size_t i = 0; i < corners.size(); ++i) {
             const Corner& corner = corners[i];
             GroundPoint& point = manifold.all[i];
-            const auto same = std::ranges::find(starts, corner.index, &WarmStart::corner);
-            const WarmStart before = same != starts.end() ? *same : WarmStart{};
+            const auto same = std::ranges::find(starts, corner.index, &Known::corner);
+            const Known before = same != starts.end() ? *same : Known{};
             // Member by member: the copy of a whole point would wait until its members are written (store forwarding).
             point.position = corner.position;
             point.local = hull_.local ? body.frame.to_local(corner.position) : glm::vec3(0.0f);
             point.distance = corner.distance;
             point.corner = corner.index;
             point.speed = 0.0f;
-            point.normal_impulse = before.normal_impulse;
-            point.friction_impulse = before.friction_impulse;
-            point.tangent = before.tangent;
-            point.blow = false;
+            point.last = before.last;
+            point.start = before.start;
         }
     }
 

@@ -9,9 +9,6 @@
 // far from it), a piece with two low corners rocks between two choices of four, and each corner sinks by millimetres
 // while it is not chosen.
 //
-// A limit: a body reaches the ground at the end of a step with the reduced speed that closes the gap, so fast impacts
-// bounce less than their restitution says.
-//
 // Rejected: six contacts (pieces rock for ever) and contacts for corners farther up (a step up to half longer).
 #pragma once
 

@@ -17,14 +17,8 @@ Float4 dot(const FourVectors& a, const FourVectors& b) {
 FourVectors cross(const FourVectors& a, const FourVectors& b) {
     return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
-FourVectors operator+(const FourVectors& a, const FourVectors& b) {
-    return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
-}
 FourVectors operator-(const FourVectors& a, const FourVectors& b) {
     return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-}
-FourVectors operator*(const FourVectors& a, Float4 factor) {
-    return {a[0] * factor, a[1] * factor, a[2] * factor};
 }
 Float4 minus(Float4 a) {
     return Float4::all(-1.0f) * a;
@@ -33,17 +27,24 @@ void store(const FourVectors& v, std::array<Four, 3>& to) {
     for (size_t axis = 0; axis < 3; ++axis) v[axis].store(to[axis].data());
 }
 
-struct Made {
-    Float4 bias, effective_mass;
-};
-
 void clear(GroundRows& rows, size_t lane) {
-    for (FourRows* of : {&rows.contacts, &rows.frictions}) {
-        for (size_t axis = 0; axis < 3; ++axis)
-            of->normal[axis][lane] = of->angular[axis][lane] = of->inverse_inertia_angular[axis][lane] = 0.0f;
-        of->bias[lane] = of->effective_mass[lane] = of->impulse[lane] = 0.0f;
+    const auto clear_vectors = [lane](auto& of) {
+        for (size_t axis = 0; axis < 3; ++axis) of.angular[axis][lane] = of.inverse_inertia_angular[axis][lane] = 0.0f;
+    };
+    FourRows& contact = rows.contacts;
+    clear_vectors(contact);
+    for (size_t axis = 0; axis < 3; ++axis) contact.normal[axis][lane] = 0.0f;
+    contact.rest[lane] = contact.bias[lane] = contact.effective_mass[lane] = contact.impulse[lane] = 0.0f;
+    contact.gap[lane] = contact.slop[lane] = contact.bounce[lane] = contact.start[lane] = contact.share[lane] = 0.0f;
+    contact.residual[lane] = 0.0f;
+    for (FourFrictions::Along& along : rows.frictions.along) {
+        clear_vectors(along);
+        for (size_t axis = 0; axis < 3; ++axis) along.tangent[axis][lane] = 0.0f;
+        along.rest[lane] = along.impulse[lane] = along.total[lane] = 0.0f;
     }
-    rows.speed[lane] = rows.correction[lane] = 0.0f;
+    rows.frictions.mass_11[lane] = rows.frictions.mass_12[lane] = rows.frictions.mass_22[lane] = 0.0f;
+    rows.frictions.sliding_mass[lane] = 0.0f;
+    rows.speed[lane] = 0.0f;
 }
 
 // The bodies of four points in lanes: four bodies, or one body four times.
@@ -55,67 +56,82 @@ struct Bodies {
 
 struct Points {
     FourVectors position;
-    Float4 distance, warm_normal_impulse;
-    FourVectors tangent; // direction of friction for points that do not slide
+    Float4 distance, slop, share, start_normal;
+    FourVectors start_friction;
 };
 
-// Writes J and I^-1 (r x n) of rows along n at each point. Returns m_eff, and the bias of v_target = 0: -m_eff J v.
-Made rows_along(const FourVectors& normal, const FourVectors& arms, const Bodies& bodies, FourRows& rows) {
+// A row along n at each point: r x n, I^-1 (r x n), J M^-1 J^T and J v.
+struct Along {
+    FourVectors angular, turn;
+    Float4 response, apart;
+};
+Along row_along(const FourVectors& normal, const FourVectors& arms, const Bodies& bodies) {
     const FourVectors angular = cross(arms, normal);
     const FourVectors turn{dot(bodies.inverse_inertia[0], angular), dot(bodies.inverse_inertia[1], angular),
                            dot(bodies.inverse_inertia[2], angular)};
-    store(normal, rows.normal);
-    store(angular, rows.angular);
-    store(turn, rows.inverse_inertia_angular);
-    const Float4 none = Float4::all(0.0f), response = bodies.inverse_mass + dot(turn, angular);
-    const Float4 effective_mass = where_less(none, response, Float4::all(1.0f) / response, none);
-    const Float4 apart = dot(normal, bodies.linear) + dot(angular, bodies.angular);
-    return {minus(apart) * effective_mass, effective_mass};
-}
-
-void store(const Made& made, Float4 impulse, FourRows& rows) {
-    made.bias.store(rows.bias.data());
-    made.effective_mass.store(rows.effective_mass.data());
-    impulse.store(rows.impulse.data());
+    return {angular, turn, bodies.inverse_mass + dot(turn, angular),
+            dot(normal, bodies.linear) + dot(angular, bodies.angular)};
 }
 
 const glm::vec3 up(0, 1, 0);
 
-// Contact, friction and split-impulse terms as in row.h, with b static.
+// Contact and friction rows as in row.h, with b static. Precondition: no body has infinite
+// mass.
 GroundRows rows_of(const Bodies& bodies, const Points& points, const GroundStep& step) {
-    const Float4 none = Float4::all(0.0f), seconds = Float4::all(step.seconds);
+    const Float4 none = Float4::all(0.0f), one = Float4::all(1.0f);
     const FourVectors arms = points.position - bodies.centre;
 
     GroundRows rows;
-    Made contact = rows_along(all(up), arms, bodies, rows.contacts);
-    const Float4 apart = minus(contact.bias) / contact.effective_mass;
-    const Float4 before = apart - Float4::all(glm::dot(up, step.gravity) * step.seconds);
-    const Float4 least = Float4::all(step.min_bounce_speed), faster = max(before, minus(before));
-    const Float4 bounce = where_less(faster, least, none, max(minus(before) * bodies.restitution, none));
-    contact.bias = contact.bias + (bounce - max(points.distance, none) / seconds) * contact.effective_mass;
-    store(contact, points.warm_normal_impulse * Float4::all(step.warm_start_part), rows.contacts);
-    minus(before).store(rows.speed.data());
-    (max(minus(points.distance), none) * Float4::all(GroundRows::correction_part) / seconds * contact.effective_mass)
-        .store(rows.correction.data());
+    const Along contact = row_along(all(up), arms, bodies);
+    const Float4 mass = one / contact.response;
+    const Float4 approach = minus(contact.apart), faster = max(approach, contact.apart);
+    const Float4 bounce =
+        where_less(faster, Float4::all(step.min_bounce_speed), none, max(approach * bodies.restitution, none));
+    store(all(up), rows.contacts.normal);
+    store(contact.angular, rows.contacts.angular);
+    store(contact.turn, rows.contacts.inverse_inertia_angular);
+    (approach * mass).store(rows.contacts.rest.data());
+    none.store(rows.contacts.bias.data());
+    mass.store(rows.contacts.effective_mass.data());
+    points.distance.store(rows.contacts.gap.data());
+    points.slop.store(rows.contacts.slop.data());
+    points.share.store(rows.contacts.share.data());
+    none.store(rows.contacts.bias.data());
+    (bounce * mass).store(rows.contacts.bounce.data());
+    points.start_normal.store(rows.contacts.impulse.data());
+    none.store(rows.contacts.total.data());
+    points.start_normal.store(rows.contacts.start.data());
+    approach.store(rows.speed.data());
 
-    const FourVectors sliding = bodies.linear + cross(bodies.angular, arms) - all(up) * apart;
-    const Float4 square = dot(sliding, sliding), min_square = Float4::all(min_sliding_square);
-    FourVectors along = sliding * (Float4::all(1.0f) / sqrt(square));
-    if (less(min_square, square) != 0xf)
-        for (size_t axis = 0; axis < 3; ++axis)
-            along[axis] = where_less(min_square, square, along[axis], points.tangent[axis]);
-    store(rows_along(along, arms, bodies, rows.frictions), none, rows.frictions);
+    const FourVectors first = all(tangents_of_ground().first), second = all(tangents_of_ground().second);
+    const Along along[2] = {row_along(first, arms, bodies), row_along(second, arms, bodies)};
+    const Float4 between = dot(along[0].turn, along[1].angular);
+    const Float4 inverse = one / (along[0].response * along[1].response - between * between);
+    const Float4 mass_11 = along[1].response * inverse, mass_12 = minus(between) * inverse;
+    const Float4 mass_22 = along[0].response * inverse;
+    mass_11.store(rows.frictions.mass_11.data());
+    mass_12.store(rows.frictions.mass_12.data());
+    mass_22.store(rows.frictions.mass_22.data());
+    (one / (along[0].response + along[1].response)).store(rows.frictions.sliding_mass.data());
+    for (size_t i = 0; i < 2; ++i) {
+        const FourVectors& tangent = i == 0 ? first : second;
+        FourFrictions::Along& to = rows.frictions.along[i];
+        store(tangent, to.tangent);
+        store(along[i].angular, to.angular);
+        store(along[i].turn, to.inverse_inertia_angular);
+        minus(along[i].apart).store(to.rest.data());
+        dot(tangent, points.start_friction).store(to.impulse.data());
+        none.store(to.total.data());
+    }
     return rows;
 }
 
-// Points that do not slide alternate between two tangents: together they hold the body in both directions.
-const std::array<glm::vec3, 2>& tangents_of_ground() {
-    static const Tangents tangents = tangents_of(up);
-    static const std::array<glm::vec3, 2> both{tangents.first, tangents.second};
-    return both;
-}
-
 } // namespace
+
+const Tangents& tangents_of_ground() {
+    static const Tangents tangents = tangents_of(up);
+    return tangents;
+}
 
 GroundRows ground_rows(const SolverBody& body, const GroundManifold& ground, size_t first, const GroundStep& step) {
     const auto of = [&](const auto& value) {
@@ -125,9 +141,8 @@ GroundRows ground_rows(const SolverBody& body, const GroundManifold& ground, siz
     const auto position = [&](size_t axis) {
         return of([axis](const GroundPoint& point) { return point.position[static_cast<int>(axis)]; });
     };
-    const std::array<glm::vec3, 2>& ways = tangents_of_ground(); // `first` is even
-    const auto tangent = [&](int axis) {
-        return Float4::of(ways[0][axis], ways[1][axis], ways[0][axis], ways[1][axis]);
+    const auto friction = [&](size_t axis) {
+        return of([axis](const GroundPoint& point) { return point.start.friction[static_cast<int>(axis)]; });
     };
     const std::array<FourVectors, 3> inverse_inertia{all(body.inverse_inertia[0]), all(body.inverse_inertia[1]),
                                                      all(body.inverse_inertia[2])};
@@ -136,8 +151,10 @@ GroundRows ground_rows(const SolverBody& body, const GroundManifold& ground, siz
         {inverse_inertia, centre, linear, angular, Float4::all(body.inverse_mass), Float4::all(ground.restitution)},
         {.position = {position(0), position(1), position(2)},
          .distance = of([](const GroundPoint& point) { return point.distance; }),
-         .warm_normal_impulse = of([](const GroundPoint& point) { return point.warm_normal_impulse(); }),
-         .tangent = {tangent(0), tangent(1), tangent(2)}},
+         .slop = Float4::all(ground.slop),
+         .share = Float4::all(body.share),
+         .start_normal = of([](const GroundPoint& point) { return point.start.normal; }),
+         .start_friction = {friction(0), friction(1), friction(2)}},
         step);
 }
 
@@ -155,6 +172,8 @@ FourGrounded::FourGrounded(const std::array<const SolverBody*, 4>& bodies,
     }
     inverse_mass = lanes([&](size_t lane) { return bodies[lane]->inverse_mass; });
     restitution = lanes([&](size_t lane) { return manifolds[lane]->restitution; });
+    share = lanes([&](size_t lane) { return bodies[lane]->share; });
+    slop = lanes([&](size_t lane) { return manifolds[lane]->slop; });
     friction = lanes([&](size_t lane) { return manifolds[lane]->friction; });
 }
 
@@ -169,12 +188,17 @@ GroundRows ground_rows(const FourGrounded& bodies, size_t index, const GroundSte
     const auto position = [&](size_t axis) {
         return of([axis](const GroundPoint& point) { return point.position[static_cast<int>(axis)]; });
     };
+    const auto friction = [&](size_t axis) {
+        return of([axis](const GroundPoint& point) { return point.start.friction[static_cast<int>(axis)]; });
+    };
     GroundRows rows = rows_of(
         {bodies.inverse_inertia, bodies.centre, bodies.linear, bodies.angular, bodies.inverse_mass, bodies.restitution},
         {.position = {position(0), position(1), position(2)},
          .distance = of([](const GroundPoint& point) { return point.distance; }),
-         .warm_normal_impulse = of([](const GroundPoint& point) { return point.warm_normal_impulse(); }),
-         .tangent = all(tangents_of_ground()[index % 2])},
+         .slop = bodies.slop,
+         .share = bodies.share,
+         .start_normal = of([](const GroundPoint& point) { return point.start.normal; }),
+         .start_friction = {friction(0), friction(1), friction(2)}},
         step);
     for (size_t lane = 0; lane < 4; ++lane)
         if (index >= bodies.grounds[lane]->count) clear(rows, lane);

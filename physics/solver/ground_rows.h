@@ -1,8 +1,8 @@
 // Builds the rows of contacts with the ground (row.h), four points at a time: four points of one body, or one point of
 // each of four bodies.
 //
-// In a heap half of all contacts are with the ground, and their rows depend on one body each. The operations and their
-// order are those of RowSolver::make_row(), so results are equal bit for bit. Pure functions; thread-safe.
+// In a heap half of all contacts are with the ground, and their rows depend on one body each. The equations are those
+// of RowSolver::make_row(); results may differ by rounding. Pure functions; thread-safe.
 #pragma once
 
 #include <array>
@@ -17,21 +17,17 @@
 namespace brittle::physics {
 
 struct GroundRows {
-    // The part of an overlap that a step corrects. It may exceed the part between bodies, because lifting a body off
-    // the static ground lifts no other body into overlap.
-    static constexpr float correction_part = 0.6f;
-
-    FourRows contacts, frictions; // n of a friction row is its tangent
-    Four speed;                   // m/s, approach speed before the step's gravity: -J v_0
-    Four correction;              // N s, bias of the split impulse; 0 without overlap
+    FourRows contacts;
+    FourFrictions frictions; // along tangents_of_ground()
+    Four speed;              // m/s, approach speed before the step's gravity: -J v_0
 };
 
 struct GroundStep {
-    float seconds;
-    glm::vec3 gravity;
     float min_bounce_speed; // m/s; slower impacts do not bounce
-    float warm_start_part;  // part of the last impulse from which lambda starts
 };
+
+// The tangents of friction rows on the ground.
+[[nodiscard]] const Tangents& tangents_of_ground();
 
 // Returns the rows of four points of one body from `first` on; the last point fills up missing ones. Precondition: the
 // body is not resting.
@@ -45,7 +41,7 @@ struct FourGrounded {
     std::array<const GroundManifold*, 4> grounds;
     std::array<FourVectors, 3> inverse_inertia;
     FourVectors centre, linear, angular;
-    Float4 inverse_mass, restitution, friction;
+    Float4 inverse_mass, restitution, friction, slop, share;
 };
 // Returns the rows of the point with that index of each body; zero rows for a body with fewer points.
 [[nodiscard]] GroundRows ground_rows(const FourGrounded& bodies, size_t index, const GroundStep& step);

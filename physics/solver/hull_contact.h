@@ -11,14 +11,12 @@
 // Special cases:
 //
 // - Siblings that move as one count as having a gap (siblings.h).
-// - On a hull three times as large, a floor or a wall, all lower corners of a moving hull become contacts at once. With
-//   one new contact a step it would turn on that corner, come down on the next, and sink in corner by corner.
-// - Speculative contacts are made before the hulls touch, as far ahead as the two can approach in the step. Debris has
-//   them; a body that a much heavier one may pass over in the step, while the two move against each other; and two
-//   bodies of similar mass that approach by a quarter of the thinner one's thickness. Except for debris they are placed
-//   for the predicted moment of touch, without rotation, at several points: the point of touch, the middle of the
-//   smaller hull's lower corners, and the corners farthest from these, each with its own gap. Pushed at one point only,
-//   a light body would spin and take a third of the speed.
+// - All contacts are speculative: they are made before the hulls touch, as far ahead as the two can approach in the
+//   step, but no farther than a quarter of the thinner one's thickness, and not by hulls that pass each other in it.
+//   Debris has no such limits.
+// - The limit holds neither for a body that a much heavier one may pass over in the step, while the two move against
+//   each other, nor for two bodies of similar mass that approach by more than it. Their contacts are those of the
+//   predicted moment of touch, without rotation.
 #pragma once
 
 #include <memory>

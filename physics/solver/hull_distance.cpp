@@ -21,7 +21,7 @@ constexpr int max_gjk_rounds = 48, max_epa_rounds = 64;
 constexpr double touching_part = 1e-5;
 // GJK ends if no corner can reduce the squared distance by more than this part of it. The value is Bullet's: with a
 // smaller one, nearly parallel faces always give the same corner, and manifolds take longer to fill with four points.
-constexpr double near_enough = 1e-6;
+constexpr double near_enough = 1e-10;
 // EPA ends if the next corner would move the face by at most this part of the hulls' size.
 constexpr double face_part = 1e-5;
 

@@ -9,17 +9,60 @@
 
 namespace brittle::physics {
 
-HullShape::HullShape(std::vector<glm::vec3> points, float margin) : points_(std::move(points)), margin_(margin) {
-    assert(!points_.empty());
-    const size_t count = points_.size();
-    lanes_.assign((count + 3) / 4 * group_size, 0.0f);
-    float square = 0.0f;
-    for (size_t place = 0; place < lanes_.size() / 3; ++place) {
-        const glm::vec3& point = points_[std::min(place, count - 1)];
+namespace {
+
+// Writes vectors in groups of four; copies of the last one fill up the last group.
+std::vector<float> in_lanes(std::span<const glm::vec3> vectors) {
+    std::vector<float> lanes((vectors.size() + 3) / 4 * HullShape::group_size, 0.0f);
+    for (size_t place = 0; place < lanes.size() / 3; ++place) {
+        const glm::vec3& vector = vectors[std::min(place, vectors.size() - 1)];
         for (size_t axis = 0; axis < 3; ++axis)
-            lanes_[place / 4 * group_size + axis * 4 + place % 4] = point[static_cast<int>(axis)];
-        square = std::max(square, length_squared(point));
+            lanes[place / 4 * HullShape::group_size + axis * 4 + place % 4] = vector[static_cast<int>(axis)];
     }
+    return lanes;
+}
+
+// Returns the index of the vector with the largest dot product with a direction; the lowest of several.
+int farthest_along(std::span<const float> lanes, size_t count, const glm::vec3& direction) {
+    Float4 most = HullShape::along(lanes.data(), direction), group = Float4::all(0.0f);
+    for (size_t at = HullShape::group_size; at < lanes.size(); at += HullShape::group_size) {
+        const Float4 there = HullShape::along(lanes.data() + at, direction);
+        group = where_less(most, there, Float4::all(static_cast<float>(at / HullShape::group_size)), group);
+        most = max(most, there);
+    }
+    float groups[4];
+    group.store(groups);
+    int first = static_cast<int>(count) - 1; // for a direction that is not a number
+    for (uint32_t lanes_left = equal(most, Float4::all(max_of(most))); lanes_left != 0; lanes_left &= lanes_left - 1) {
+        const int lane = std::countr_zero(lanes_left);
+        first = std::min(first, 4 * static_cast<int>(groups[lane]) + lane);
+    }
+    return first;
+}
+
+// Twice the area of a loop, outwards.
+glm::vec3 area_of(std::span<const glm::vec3> points, std::span<const uint16_t> loop) {
+    glm::vec3 area(0.0f);
+    const glm::vec3& apex = points[loop[0]];
+    for (size_t i = 2; i < loop.size(); ++i) area += glm::cross(points[loop[i - 1]] - apex, points[loop[i]] - apex);
+    return area;
+}
+
+} // namespace
+
+HullShape::HullShape(std::vector<glm::vec3> points, float margin, HullFaces faces)
+    : points_(std::move(points)), faces_(std::move(faces)), margin_(margin) {
+    assert(!points_.empty());
+    lanes_ = in_lanes(points_);
+    float square = 0.0f;
+    for (const glm::vec3& point : points_) square = std::max(square, length_squared(point));
+    std::vector<glm::vec3> normals;
+    for (size_t face = 0; face < faces_.count(); ++face) {
+        const glm::vec3 area = area_of(points_, faces_.of(face));
+        const float length = glm::length(area);
+        normals.push_back(length > 0.0f ? area * (1.0f / length) : glm::vec3(0.0f));
+    }
+    if (!normals.empty()) normals_ = in_lanes(normals);
     radius_ = std::sqrt(square) + margin_;
     const Bounds box = bounds({});
     const glm::vec3 size = box.high - box.low;
@@ -50,20 +93,16 @@ float HullShape::support(const glm::vec3& direction) const {
 }
 
 int HullShape::support_index(const glm::vec3& direction) const {
-    Float4 most = along(lanes_.data(), direction), group = Float4::all(0.0f);
-    for (size_t at = group_size; at < lanes_.size(); at += group_size) {
-        const Float4 there = along(lanes_.data() + at, direction);
-        group = where_less(most, there, Float4::all(static_cast<float>(at / group_size)), group);
-        most = max(most, there);
-    }
-    float groups[4];
-    group.store(groups);
-    int first = point_count() - 1; // for a direction that is not a number
-    for (uint32_t lanes = equal(most, Float4::all(max_of(most))); lanes != 0; lanes &= lanes - 1) {
-        const int lane = std::countr_zero(lanes);
-        first = std::min(first, 4 * static_cast<int>(groups[lane]) + lane);
-    }
-    return first;
+    return farthest_along(lanes_, points_.size(), direction);
+}
+
+int HullShape::face_along(const glm::vec3& direction) const {
+    return normals_.empty() ? -1 : farthest_along(normals_, faces_.count(), direction);
+}
+
+glm::vec3 HullShape::normal_of(int face) const {
+    const float* const group = &normals_[static_cast<size_t>(face) / 4 * group_size + static_cast<size_t>(face) % 4];
+    return {group[0], group[4], group[8]};
 }
 
 float rotation_radius(const Bounds& bounds) {

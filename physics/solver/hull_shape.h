@@ -1,11 +1,12 @@
-// A convex hull laid out for the two queries that a step makes thousands of times: support in a direction, and bounds.
-// Both process four points at a time.
+// A convex hull laid out for the queries that a step makes thousands of times: support in a direction, bounds, and the
+// face along a direction. They process four points or faces at a time.
 //
 // Bounds are those of the transformed points and not of a rotated box: in a heap of pieces half as many pairs overlap.
 // Metres, in the hull's own axes. The margin is a shell around the points.
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -13,14 +14,15 @@
 
 #include "physics/solver/float4.h"
 #include "physics/solver/transform.h"
+#include "physics/world/hull.h"
 
 namespace brittle::physics {
 
 class HullShape {
   public:
     HullShape() = default;
-    // Precondition: at least one point.
-    HullShape(std::vector<glm::vec3> points, float margin);
+    // Precondition: at least one point; the faces are those of the points, or none.
+    HullShape(std::vector<glm::vec3> points, float margin, HullFaces faces = {});
 
     [[nodiscard]] const std::vector<glm::vec3>& points() const { return points_; }
     [[nodiscard]] int point_count() const { return static_cast<int>(points_.size()); }
@@ -44,6 +46,17 @@ class HullShape {
     [[nodiscard]] int support_index(const glm::vec3& direction) const;
     // The radius of the ball around the origin that holds the hull, margin included.
     [[nodiscard]] float radius() const { return radius_; }
+    // The face whose outward normal has the largest dot product with a direction; the lowest of several, and -1 for a
+    // hull without faces.
+    [[nodiscard]] int face_along(const glm::vec3& direction) const;
+    [[nodiscard]] glm::vec3 normal_of(int face) const;
+    // Indices of points, counter-clockwise seen from outside.
+    [[nodiscard]] std::span<const uint16_t> corners_of(int face) const { return faces_.of(static_cast<size_t>(face)); }
+    // The place of the face's first corner among the corners of all faces.
+    [[nodiscard]] uint32_t first_corner_of(int face) const {
+        return static_cast<uint32_t>(faces_.begin_of(static_cast<size_t>(face)));
+    }
+
     // The longest side of the bounds in the hull's own axes.
     [[nodiscard]] float longest() const { return longest_; }
     // Upper bound of the distance of any point from any axis through the origin: half the diagonal of the bounds plus
@@ -53,6 +66,8 @@ class HullShape {
   private:
     std::vector<glm::vec3> points_;
     std::vector<float> lanes_; // groups()
+    HullFaces faces_;
+    std::vector<float> normals_; // of the faces, as groups()
     float margin_ = 0.0f, radius_ = 0.0f, longest_ = 0.0f, rotation_radius_ = 0.0f;
 };
 

@@ -25,6 +25,10 @@ bool is_at_rest(const SweptProxy& proxy) {
     return !moves(proxy) || sleeps(proxy);
 }
 
+bool sleeps(const Body& body) {
+    return body.activity == Activity::asleep;
+}
+
 // Returns whether the pair joins an awake body and a sleeping one.
 bool wakes(const SweptPair& pair) {
     return moves(*pair.a) && moves(*pair.b) && sleeps(*pair.a) != sleeps(*pair.b);
@@ -33,7 +37,7 @@ bool wakes(const SweptPair& pair) {
 } // namespace
 
 void Islands::find(const std::vector<std::unique_ptr<Body>>& bodies, std::span<Body* const> awake,
-                   SweepBroadphase& broadphase, fracture::Threads& threads) {
+                   std::span<const Joints::Pair> joints, SweepBroadphase& broadphase, fracture::Threads& threads) {
     const SweptPairs& pairs = broadphase.pairs();
     members_.clear();
     for (const Body* body : awake)
@@ -42,24 +46,41 @@ void Islands::find(const std::vector<std::unique_ptr<Body>>& bodies, std::span<B
     for (const uint32_t index : pairs.set())
         if (const SweptPair& pair = pairs.at(index); wakes(pair))
             touched_.push_back(sleeps(*pair.a) ? pair.a->rank : pair.b->rank);
+    for (const auto& [a, b] : joints)
+        if ((sleeps(*a) && b->awake()) || (sleeps(*b) && a->awake()))
+            touched_.push_back((sleeps(*a) ? a : b)->proxy->rank);
     std::span<const uint32_t> visited = pairs.set();
-    if (!touched_.empty()) visited = add_touched(broadphase);
+    if (!touched_.empty()) visited = add_touched(joints, broadphase);
 
     assert(std::ranges::adjacent_find(members_, std::greater_equal<uint32_t>{}) == members_.end()); // each once
     parents_.resize(bodies.size());
     std::iota(parents_.begin(), parents_.end(), 0u);
     stays_awake_.assign(bodies.size(), 0);
     for (const uint32_t index : visited) unite(pairs.at(index));
+    for (const auto& [a, b] : joints) fracture::unite(parents_, a->index, b->index);
     settle(bodies);
     collect(pairs, visited, threads);
 }
 
 // Islands of sleeping bodies are not stored; they are found again when one of their bodies is touched.
-std::span<const uint32_t> Islands::add_touched(SweepBroadphase& broadphase) {
-    std::ranges::sort(touched_);
-    touched_.erase(std::unique(touched_.begin(), touched_.end()), touched_.end());
+std::span<const uint32_t> Islands::add_touched(std::span<const Joints::Pair> joints, SweepBroadphase& broadphase) {
     const auto passes = [](const SweptProxy& proxy) { return moves(proxy) && sleeps(proxy); };
-    const SweepBroadphase::Connected& connected = broadphase.connected(touched_, passes);
+    const auto connect = [&]() -> const SweepBroadphase::Connected& {
+        std::ranges::sort(touched_);
+        touched_.erase(std::unique(touched_.begin(), touched_.end()), touched_.end());
+        return broadphase.connected(touched_, passes);
+    };
+    // Joints lead on from the bodies that were found, to bodies with pairs of their own.
+    const auto touch_jointed = [&](const SweepBroadphase::Connected& found) {
+        const size_t before = touched_.size();
+        const auto has = [&](const Body& body) { return std::ranges::binary_search(found.ranks, body.proxy->rank); };
+        for (const auto& [a, b] : joints)
+            if (sleeps(*a) && sleeps(*b) && has(*a) != has(*b)) touched_.push_back((has(*a) ? b : a)->proxy->rank);
+        return touched_.size() > before;
+    };
+    while (touch_jointed(connect())) {
+    }
+    const SweepBroadphase::Connected& connected = connect();
     const auto awake = static_cast<std::ptrdiff_t>(members_.size());
     for (const uint32_t rank : connected.ranks) members_.push_back(broadphase.proxy(rank).body->index);
     std::ranges::sort(members_.begin() + awake, members_.end());

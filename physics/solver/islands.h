@@ -1,8 +1,8 @@
 // Islands: bodies that can push each other, directly or through others. They sleep and wake together.
 //
-// Moving bodies with overlapping bounds are in one island; fixed bodies and the ground are in none. An island whose
-// bodies are all ready to sleep falls asleep as a whole, and wakes as a whole when an awake body touches it. Only these
-// sleeping islands are visited, and only the pairs of awake bodies or of such islands.
+// Moving bodies with overlapping bounds or with a joint between them are in one island; fixed bodies and the ground are
+// in none. An island whose bodies are all ready to sleep falls asleep as a whole, and wakes as a whole when an awake
+// body touches it. Only these sleeping islands are visited, and only the pairs of awake bodies or of such islands.
 //
 // - Contacts are in the order of their pairs, which is that of the bodies: nothing depends on addresses or on earlier
 //   steps.
@@ -16,6 +16,7 @@
 
 #include "fracture/base/threads.h"
 #include "physics/solver/body.h"
+#include "physics/solver/joints.h"
 #include "physics/solver/manifold.h"
 #include "physics/solver/sweep_broadphase.h"
 
@@ -23,9 +24,10 @@ namespace brittle::physics {
 
 class Islands {
   public:
-    // Finds the islands, puts them to sleep and wakes them. `awake` holds the awake bodies in body order.
+    // Finds the islands, puts them to sleep and wakes them. `awake` holds the awake bodies in body order, `joints` the
+    // pairs of moving bodies that a joint connects.
     void find(const std::vector<std::unique_ptr<Body>>& bodies, std::span<Body* const> awake,
-              SweepBroadphase& broadphase, fracture::Threads& threads);
+              std::span<const Joints::Pair> joints, SweepBroadphase& broadphase, fracture::Threads& threads);
 
     // In body order.
     [[nodiscard]] const std::vector<Body*>& awake() const { return awake_; }
@@ -38,7 +40,7 @@ class Islands {
 
   private:
     // Adds the sleeping bodies that are connected with a touched one to members_; returns the pairs to visit.
-    std::span<const uint32_t> add_touched(SweepBroadphase& broadphase);
+    std::span<const uint32_t> add_touched(std::span<const Joints::Pair> joints, SweepBroadphase& broadphase);
     void unite(const SweptPair& pair);
     void settle(const std::vector<std::unique_ptr<Body>>& bodies);
     void collect(const SweptPairs& pairs, std::span<const uint32_t> visited, fracture::Threads& threads);

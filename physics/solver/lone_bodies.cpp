@@ -16,22 +16,18 @@ constexpr uint32_t block_size = 4, group_size = 4 * block_size;
 
 // Four bodies in lanes, the first with the most points, and their rows.
 struct LoneBodies::Block {
-    struct Row {
-        GroundRows made;
-        Four correction_impulse, correction_mass;
-        bool deep; // at least one lane has overlap to correct
-    };
-
     uint32_t count = 0;               // bodies
     std::array<uint32_t, 4> bodies{}; // surplus lanes repeat the last body
     std::array<GroundManifold*, 4> grounds{};
     uint32_t row_count = 0;
-    bool deep = false; // at least one row is deep
     Float4 coefficient;
-    FourChanges changes, corrections;
-    std::array<Row, GroundManifold::max_points> rows;
+    FourChanges changes, moved, free; // free: before the impulses of the substep
+    FourBodies motion;
+    Float4 share;
+    FourDescents descents;
+    std::array<GroundRows, GroundManifold::max_points> rows;
 
-    void make(std::span<const Lone> group, const State& state, const GroundStep& step) {
+    void make(std::span<const Lone> group, const StaticRows::State& state, const GroundStep& step) {
         count = static_cast<uint32_t>(group.size());
         std::array<const SolverBody*, 4> solver_bodies{};
         Four inverse_masses{};
@@ -44,36 +40,25 @@ struct LoneBodies::Block {
         }
         row_count = grounds[0]->count;
         changes = FourChanges(bodies, inverse_masses, state.changes);
-        corrections = FourChanges(bodies, inverse_masses, state.corrections);
         const FourGrounded four(solver_bodies, {grounds[0], grounds[1], grounds[2], grounds[3]});
         coefficient = four.friction;
-        for (uint32_t i = 0; i < row_count; ++i) {
-            Row& row = rows[i];
-            row.made = ground_rows(four, i, step);
-            const Float4 none = Float4::all(0.0f), correction = Float4::load(row.made.correction.data());
-            row.deep = less(none, correction) != 0;
-            deep = deep || row.deep;
-            none.store(row.correction_impulse.data());
-            where_less(none, correction, Float4::load(row.made.contacts.effective_mass.data()), none)
-                .store(row.correction_mass.data());
-        }
+        motion = FourBodies(bodies, state.bodies);
+        moved = FourChanges(bodies, inverse_masses, state.moved);
+        for (uint32_t i = 0; i < row_count; ++i) rows[i] = ground_rows(four, i, step);
     }
-    void correct(Row& row) {
-        if (row.deep)
-            corrections.solve(row.made.contacts, row.made.correction, row.correction_mass, row.correction_impulse,
-                              Float4::all(0.0f), Float4::all(std::numeric_limits<float>::max()));
-    }
-    void store(const State& state) const {
-        changes.store(bodies, count, state.changes);
-        if (deep) corrections.store(bodies, count, state.corrections);
+    void store_impulses(const StaticRows::State& state) const {
         for (size_t lane = 0; lane < count; ++lane)
             for (uint32_t i = 0; i < grounds[lane]->count; ++i) {
                 GroundPoint& point = grounds[lane]->all[i];
-                const GroundRows& made = rows[i].made;
-                const auto& tangent = made.frictions.normal;
+                const GroundRows& made = rows[i];
+                const auto& along = made.frictions.along;
+                const Tangents& tangents = tangents_of_ground();
                 point.speed = made.speed[lane];
-                point.tangent = {tangent[0][lane], tangent[1][lane], tangent[2][lane]};
-                point.take(made.contacts.impulse[lane], made.frictions.impulse[lane]);
+                if ((FourChanges::acts(made.contacts) >> lane & 1) != 0) state.acted[bodies[lane]] = 1;
+                point.last = {made.contacts.total[lane],
+                              tangents.first * along[0].total[lane] + tangents.second * along[1].total[lane]};
+                point.start = {made.contacts.impulse[lane],
+                               tangents.first * along[0].impulse[lane] + tangents.second * along[1].impulse[lane]};
             }
     }
 };
@@ -94,7 +79,8 @@ uint32_t LoneBodies::groups() const {
     return (count() + group_size - 1) / group_size;
 }
 
-void LoneBodies::solve(uint32_t begin, uint32_t end, const State& state, const GroundStep& step, int sweeps) const {
+void LoneBodies::solve(uint32_t begin, uint32_t end, const StaticRows::State& state, const GroundStep& step,
+                       const Substeps& substeps) const {
     const std::span<const Lone> all = bodies_;
     const auto group = [&](uint32_t i) {
         return all.subspan(i * group_size, std::min<size_t>(group_size, all.size() - i * group_size));
@@ -102,11 +88,12 @@ void LoneBodies::solve(uint32_t begin, uint32_t end, const State& state, const G
     for (uint32_t i = begin; i < end; ++i) {
         if (i + 1 < end)
             for (const Lone& body : group(i + 1)) prefetch(body.ground, 512); // covers the points of most manifolds
-        solve(group(i), state, step, sweeps);
+        solve(group(i), state, step, substeps);
     }
 }
 
-void LoneBodies::solve(std::span<const Lone> group, const State& state, const GroundStep& step, int sweeps) {
+void LoneBodies::solve(std::span<const Lone> group, const StaticRows::State& state, const GroundStep& step,
+                       const Substeps& substeps) {
     std::array<Block, group_size / block_size> store;
     const std::span<Block> blocks = std::span(store).first((group.size() + block_size - 1) / block_size);
     for (size_t i = 0; i < blocks.size(); ++i)
@@ -118,17 +105,53 @@ void LoneBodies::solve(std::span<const Lone> group, const State& state, const Gr
             for (Block& block : blocks)
                 if (row < block.row_count) visit(block, block.rows[row]);
     };
-    for_rows([](Block& block, const Block::Row& row) {
-        block.changes.apply(row.made.contacts, Float4::load(row.made.contacts.impulse.data()));
-    });
-    for (int sweep = 0; sweep < sweeps; ++sweep) {
-        for_rows([](Block& block, Block::Row& row) { block.changes.solve_contacts(row.made.contacts); });
-        for_rows([](Block& block, Block::Row& row) {
-            block.changes.solve_friction(row.made.frictions, block.coefficient, row.made.contacts);
+    const auto sweep = [&](int times) {
+        for (int i = 0; i < times; ++i) {
+            for_rows([](Block& block, GroundRows& row) { block.changes.solve_contacts(row.contacts); });
+            for_rows([](Block& block, GroundRows& row) {
+                block.changes.solve_friction(row.frictions, block.coefficient, row.contacts);
+            });
+        }
+    };
+    const auto spread = [&] {
+        for (Block& block : blocks) block.descents = {};
+        spread_blows([&](const auto& visit) {
+            for_rows([&](Block& block, GroundRows& row) { visit(row.contacts, block.changes, block.descents); });
         });
+    };
+    for (int substep = 0; substep < substeps.count; ++substep) {
+        for (Block& block : blocks) block.changes.fall(substeps.fall());
+        for_rows([&](Block& block, GroundRows& row) { FourChanges::start(row.contacts, block.moved, substeps); });
+        for (Block& block : blocks) block.free = block.changes;
+        for_rows([](Block& block, GroundRows& row) { block.changes.apply(row.contacts, row.frictions); });
+        spread();
+        sweep(substeps.first);
+        for (Block& block : blocks) {
+            block.share = block.motion.energy_share(block.free, block.changes, substeps.fall());
+            block.changes.keep(block.free, block.share);
+        }
+        for_rows([](Block& block, GroundRows& row) { FourChanges::scale(row.contacts, row.frictions, block.share); });
+        for (Block& block : blocks)
+            block.moved.move(block.motion.linear, block.motion.angular, block.changes, Float4::all(substeps.seconds));
+        for_rows([](Block&, GroundRows& row) { FourChanges::start_second(row.contacts); });
+        spread();
+        const bool last = substep + 1 == substeps.count;
+        sweep(last ? substeps.last : substeps.second);
+        if (last) {
+            bool bounces = false;
+            for_rows([&](Block&, GroundRows& row) { bounces = FourChanges::start_bounce(row.contacts) || bounces; });
+            if (bounces) {
+                spread();
+                sweep(substeps.bounce);
+            }
+        }
+        for_rows([](Block&, GroundRows& row) { FourChanges::finish(row.contacts, row.frictions); });
     }
-    for (int sweep = 0; sweep < sweeps; ++sweep) for_rows([](Block& block, Block::Row& row) { block.correct(row); });
-    for (const Block& block : blocks) block.store(state);
+    for (const Block& block : blocks) {
+        block.changes.store(block.bodies, block.count, state.changes);
+        block.moved.store(block.bodies, block.count, state.moved);
+        block.store_impulses(state);
+    }
 }
 
 } // namespace brittle::physics

@@ -1,8 +1,8 @@
 // Lone bodies: bodies that touch the ground only and are not resting, as most debris.
 //
 // Sixteen bodies at a time, four in lanes, go through the whole solution: rows are built from the contact points, all
-// sweeps run over them, overlap is corrected, and impulses are written back to the points. The rows are never stored.
-// The operations and their order are those of RowSolver (row.h), so results are equal bit for bit.
+// substeps run over them, and impulses are written back to the points. The rows are never stored. Rows are solved in
+// the same order as in StaticRows; results may differ from those of RowSolver by rounding.
 #pragma once
 
 #include <cstdint>
@@ -10,17 +10,12 @@
 #include <vector>
 
 #include "physics/solver/ground_rows.h"
+#include "physics/solver/static_rows.h"
 
 namespace brittle::physics {
 
 class LoneBodies {
   public:
-    // The solver's bodies; dv of the velocities and dv of the split impulses, both written.
-    struct State {
-        const SolverBody* bodies;
-        VelocityChange *changes, *corrections;
-    };
-
     void clear() { bodies_.clear(); }
     // Precondition: the body is not resting and the manifold has points.
     void add(GroundManifold& ground, uint32_t body) { bodies_.push_back({&ground, body}); }
@@ -30,7 +25,8 @@ class LoneBodies {
 
     // Solves a range of groups and stores the impulses in their contact points. Thread-safe for different groups.
     [[nodiscard]] uint32_t groups() const;
-    void solve(uint32_t begin, uint32_t end, const State& state, const GroundStep& step, int sweeps) const;
+    void solve(uint32_t begin, uint32_t end, const StaticRows::State& state, const GroundStep& step,
+               const Substeps& substeps) const;
 
   private:
     struct Lone {
@@ -39,7 +35,8 @@ class LoneBodies {
     };
     struct Block;
 
-    static void solve(std::span<const Lone> group, const State& state, const GroundStep& step, int sweeps);
+    static void solve(std::span<const Lone> group, const StaticRows::State& state, const GroundStep& step,
+                      const Substeps& substeps);
 
     std::vector<Lone> bodies_, scratch_;
 };

@@ -1,6 +1,7 @@
 #include "physics/solver/manifold.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace brittle::physics {
 
@@ -9,68 +10,93 @@ namespace {
 // Distance at which a contact begins and ends, as a part of the body's rotation radius.
 constexpr float breaking_part = 0.02f;
 
+// Swaps the candidate with the highest score among candidates[place] and later ones to `place`; the first of several.
+void take(std::span<ContactPoint> candidates, size_t place, const auto& score) {
+    size_t best = place;
+    float most = score(candidates[place]);
+    for (size_t i = place + 1; i < candidates.size(); ++i) {
+        const float own = score(candidates[i]);
+        if (most < own) {
+            most = own;
+            best = i;
+        }
+    }
+    std::swap(candidates[place], candidates[best]);
+}
+
+// Moves four candidates that bear load best to the front: the deepest, the one farthest from it, the one farthest from
+// the line through both, and the one farthest on that line's other side.
+void find_bearing(std::span<ContactPoint> candidates) {
+    take(candidates, 0, [](const ContactPoint& p) { return -p.distance; });
+    const glm::vec3 first = candidates[0].on_b, normal = candidates[0].normal;
+    take(candidates, 1, [&](const ContactPoint& p) { return length_squared(p.on_b - first); });
+    const glm::vec3 line = candidates[1].on_b - first;
+    const auto side = [&](const ContactPoint& p) { return glm::dot(glm::cross(line, p.on_b - first), normal); };
+    take(candidates, 2, [&](const ContactPoint& p) { return std::abs(side(p)); });
+    const float sign = side(candidates[2]) > 0.0f ? -1.0f : 1.0f;
+    take(candidates, 3, [&](const ContactPoint& p) { return sign * side(p); });
+}
+
 } // namespace
 
-Manifold::Manifold(const Body& a, const Body& b)
-    : a_(&a), b_(&b), breaking_threshold_(breaking_part * std::min(a.rotation_radius(), b.rotation_radius())) {}
+Manifold::Manifold(const Body& a, const Body& b) : a_(&a), b_(&b) {
+    const float radius = std::min(a.rotation_radius(), b.rotation_radius());
+    breaking_threshold_ = breaking_part * radius;
+    slop_ = slop_part * radius;
+}
 
-void Manifold::add(const glm::vec3& normal, const glm::vec3& on_b, float distance, uint32_t part_a, uint32_t part_b) {
-    if (distance > breaking_threshold_) return;
+ContactPoint Manifold::point_at(const glm::vec3& normal, const glm::vec3& on_b, float distance) const {
     ContactPoint point;
     point.on_a = on_b + normal * distance;
     point.on_b = on_b;
     point.local_a = a_->frame.to_local(point.on_a);
     point.local_b = b_->frame.to_local(point.on_b);
     point.normal = normal;
+    point.local_normal = normal * a_->frame.basis;
     point.distance = distance;
-    point.part_a = part_a;
-    point.part_b = part_b;
-    point.tangent = tangents_of(normal).first;
-    // The nearest known point within the threshold is this contact.
-    float nearest = breaking_threshold_ * breaking_threshold_;
-    ContactPoint* same = nullptr;
-    for (ContactPoint& known : points())
-        if (const float square = length_squared(known.local_a - point.local_a); square < nearest) {
-            nearest = square;
-            same = &known;
-        }
-    if (!same) return add(point);
-    point.normal_impulse = same->normal_impulse;
-    point.friction_impulse = same->friction_impulse;
-    *same = point;
+    return point;
 }
 
-void Manifold::add(const ContactPoint& point) {
-    points_[count_ < max_points ? count_++ : place_of(point)] = point;
-}
-
-// Returns the index of the point that a fifth one replaces: the remaining four span the largest area and include the
-// deepest of the five.
-uint32_t Manifold::place_of(const ContactPoint& point) const {
-    int deepest = -1; // the new one
-    float depth = point.distance;
-    for (int i = 0; i < 4; ++i)
-        if (points_[static_cast<size_t>(i)].distance < depth) {
-            deepest = i;
-            depth = points_[static_cast<size_t>(i)].distance;
-        }
-    // The squared double area of the new point and three others: of the three pairs of opposite sides or diagonals, the
-    // diagonals have the longest cross product.
-    const auto area = [&](size_t i, size_t j, size_t k) {
-        const glm::vec3 &a = points_[i].local_a, &b = points_[j].local_a, &c = points_[k].local_a;
-        return std::max({length_squared(glm::cross(point.local_a - a, c - b)),
-                         length_squared(glm::cross(point.local_a - b, c - a)),
-                         length_squared(glm::cross(point.local_a - c, b - a))});
+void Manifold::replace(std::span<ContactPoint> candidates) {
+    if (candidates.size() > max_points) {
+        find_bearing(candidates);
+        candidates = candidates.first(max_points);
+    }
+    std::array<bool, max_points> continued{};
+    const auto inherit = [&](ContactPoint& point, size_t old) {
+        continued[old] = true;
+        point.last = points_[old].last;
+        point.start = points_[old].start;
     };
-    const std::array<float, 4> areas{deepest != 0 ? area(1, 2, 3) : 0.0f, deepest != 1 ? area(0, 2, 3) : 0.0f,
-                                     deepest != 2 ? area(0, 1, 3) : 0.0f, deepest != 3 ? area(0, 1, 2) : 0.0f};
-    return static_cast<uint32_t>(std::ranges::max_element(areas) - areas.begin());
+    std::array<bool, max_points> known{};
+    for (size_t i = 0; i < candidates.size(); ++i)
+        for (size_t old = 0; old < count_ && candidates[i].feature != no_feature; ++old)
+            if (!continued[old] && points_[old].feature == candidates[i].feature) {
+                inherit(candidates[i], old);
+                known[i] = true;
+                break;
+            }
+    for (size_t i = 0; i < candidates.size(); ++i) {
+        if (known[i]) continue;
+        float nearest = breaking_threshold_ * breaking_threshold_;
+        size_t place = count_;
+        for (size_t old = 0; old < count_; ++old)
+            if (const float square = length_squared(points_[old].local_a - candidates[i].local_a);
+                !continued[old] && square < nearest) {
+                nearest = square;
+                place = old;
+            }
+        if (place < count_) inherit(candidates[i], place);
+    }
+    count_ = static_cast<uint32_t>(candidates.size());
+    std::ranges::copy(candidates, points_.begin());
 }
 
 void Manifold::refresh() {
     for (ContactPoint& point : points()) {
         point.on_a = a_->frame * point.local_a;
         point.on_b = b_->frame * point.local_b;
+        point.normal = a_->frame.basis * point.local_normal;
         point.distance = glm::dot(point.on_a - point.on_b, point.normal);
     }
     for (uint32_t i = count_; i-- > 0;) {

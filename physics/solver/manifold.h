@@ -1,7 +1,7 @@
 // Contact manifolds: the points at which two hulls, or a hull and the ground, touch or will touch in this step.
 //
 // A manifold of two hulls keeps up to four points from step to step, with the impulses that the solver starts from
-// (warm starting). A point belongs to the same contact as long as it stays within the breaking threshold.
+// (warm starting). A point is known again by its feature, or by its place on body a.
 #pragma once
 
 #include <algorithm>
@@ -12,14 +12,19 @@
 #include <glm/vec3.hpp>
 
 #include "physics/solver/body.h"
+#include "physics/solver/face_contact.h"
 #include "physics/solver/prefetch.h"
 
 namespace brittle::physics {
 
-// m/s. A contact that closed faster is a blow: the next solution does not start from its impulse. The impulse that
-// stops a blow is a hundred times the impulse of the next step, and the part that the sweeps do not take back would add
-// energy.
-inline constexpr float blow_speed = 0.2f;
+// Overlap that stays, as a part of the rotation radius: the correction of a smaller one makes stacks sway.
+inline constexpr float slop_part = 0.002f;
+
+// Impulse at a contact point.
+struct PointImpulse {
+    float normal = 0.0f;      // N s, on a along the normal
+    glm::vec3 friction{0.0f}; // N s, on a across it
+};
 
 // Returns the friction coefficient of two bodies, or of a body and the ground.
 [[nodiscard]] inline float combined_friction(float a, float b) {
@@ -30,13 +35,14 @@ inline constexpr float blow_speed = 0.2f;
 // World coordinates, m; the normal points from b to a.
 struct ContactPoint {
     glm::vec3 local_a{0.0f}, local_b{0.0f}; // in the bodies' frames
+    glm::vec3 local_normal{0.0f};           // in the frame of a
     glm::vec3 on_a{0.0f}, on_b{0.0f};       // on the surfaces, margin included
     glm::vec3 normal{0.0f};
     float distance = 0.0f;           // along the normal; below 0: overlap
     uint32_t part_a = 0, part_b = 0; // hulls of compounds
-    // Results of the last solution.
-    float normal_impulse = 0.0f, friction_impulse = 0.0f; // N s, on a; 0 after a blow
-    glm::vec3 tangent{0.0f};                              // unit direction of friction on a
+    uint32_t feature = no_feature;   // the edges that cross here (face_contact.h)
+    PointImpulse last;               // of the last step
+    PointImpulse start;              // from which the next substep starts; limited after a blow (row.h)
 };
 
 // The points between two bodies, or between one hull of each.
@@ -54,25 +60,27 @@ class Manifold {
     [[nodiscard]] float friction() const { return combined_friction(a_->friction, b_->friction); }
     [[nodiscard]] float restitution() const { return a_->restitution * b_->restitution; }
 
-    // m. A point ends beyond this distance along the normal or across it. Points of a body that are nearer to each
-    // other than this are one contact.
+    // m; overlap that stays.
+    [[nodiscard]] float slop() const { return slop_; }
+    // m. A point ends beyond this distance along the normal or across it. A new point without a known feature continues
+    // the nearest old one within this distance.
     [[nodiscard]] float breaking_threshold() const { return breaking_threshold_; }
     void set_breaking_threshold(float threshold) { breaking_threshold_ = threshold; }
 
-    // Adds the contact at a point on b, or moves a contact within the threshold, which keeps its impulses. Of five
-    // points the new one and the deepest stay, with those that span the largest area with them. Has no effect beyond the
-    // threshold.
-    void add(const glm::vec3& normal, const glm::vec3& on_b, float distance, uint32_t part_a, uint32_t part_b);
-    void add(const ContactPoint& point);
+    // Makes a point on b at a distance from a along the normal.
+    [[nodiscard]] ContactPoint point_at(const glm::vec3& normal, const glm::vec3& on_b, float distance) const;
+    // Replaces all points by the best four candidates: the deepest, and those that span the largest area with it. They
+    // keep the impulses of the old points that they continue.
+    void replace(std::span<ContactPoint> candidates);
+    // Precondition: less than max_points points.
+    void add(const ContactPoint& point) { points_[count_++] = point; }
     // Moves the points with the bodies and drops those beyond the threshold.
     void refresh();
     void clear() { count_ = 0; }
 
   private:
-    [[nodiscard]] uint32_t place_of(const ContactPoint& point) const;
-
     const Body *a_, *b_;
-    float breaking_threshold_;
+    float breaking_threshold_, slop_;
     uint32_t count_ = 0;
     std::array<ContactPoint, max_points> points_;
 };
@@ -83,20 +91,8 @@ struct alignas(64) GroundPoint {
     glm::vec3 local{0.0f};    // m, position in the body's frame; compounds only
     float distance = 0.0f;    // m, above the ground
     int corner = 0;           // of the hull
-    // Results of the last solution.
-    float speed = 0.0f;                                   // m/s, approach speed
-    float normal_impulse = 0.0f, friction_impulse = 0.0f; // N s, on the hull
-    glm::vec3 tangent{0.0f};                              // unit direction of friction
-    bool blow = false;                                    // whether speed > blow_speed
-
-    void take(float normal, float friction) {
-        normal_impulse = normal;
-        friction_impulse = friction;
-        blow = speed > blow_speed;
-    }
-    // Warm starting: the impulses from which the next solution starts.
-    [[nodiscard]] float warm_normal_impulse() const { return blow ? 0.0f : normal_impulse; }
-    [[nodiscard]] float warm_friction_impulse() const { return blow ? 0.0f : friction_impulse; }
+    float speed = 0.0f;       // m/s, approach speed before the last step
+    PointImpulse last, start; // as in ContactPoint
 };
 
 // All contacts of a hull with the ground.
@@ -107,6 +103,7 @@ struct GroundManifold {
     uint32_t part = 0; // of a compound
     uint32_t count = 0;
     float friction = 0.0f, restitution = 0.0f; // combined with the ground's
+    float slop = 0.0f;                         // m; overlap that stays
     std::array<GroundPoint, max_points> all{};
 
     [[nodiscard]] std::span<GroundPoint> points() { return std::span(all).first(count); }

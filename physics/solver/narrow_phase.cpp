@@ -55,6 +55,7 @@ bool is_high_above_ground(const SweptPair& pair, const ContactStep& step) {
 void update(SweptPair& pair, const ContactStep& step) {
     const bool a_awake = pair.a->body && pair.a->body->awake(), b_awake = pair.b->body && pair.b->body->awake();
     if ((!a_awake && !b_awake) || is_high_above_ground(pair, step)) return;
+    if (pair.a->body && pair.b->body && pair.a->body->is_apart_from(*pair.b->body)) return pair.contacts.reset();
     if (!pair.contacts) pair.contacts = make_contacts(pair);
     pair.contacts->update(step);
 }

@@ -14,13 +14,6 @@ namespace {
 // Number of points of one pair that the counting sort of order() tells apart. A hull has up to twelve on the ground, a
 // compound more.
 constexpr uint32_t max_points = 32;
-// Upper bound of a contact's lambda.
-constexpr float no_limit = std::numeric_limits<float>::max();
-// Warm starting: part of the last impulse from which a contact's lambda starts.
-constexpr float warm_start_part = 0.85f;
-// Part of an overlap that a step corrects, and the share of the correcting rotation that is applied.
-constexpr float correction_part = 0.2f;
-constexpr float rotation_share = 0.1f;
 
 // Fewer than this are not worth waking another thread for.
 constexpr uint32_t min_contacts = 128, min_manifolds = 128, min_bodies = 128, min_groups = 4;
@@ -36,51 +29,236 @@ glm::vec3 vector(const float* from) {
 
 } // namespace
 
-void RowSolver::solve(std::span<Body* const> bodies, std::span<const AnyManifold> manifolds, const Step& step,
-                      fracture::Threads& threads) {
-    take_bodies(bodies, step, threads);
+void RowSolver::solve(std::span<Body* const> bodies, std::span<const AnyManifold> manifolds, Joints& joints,
+                      const Step& step, fracture::Threads& threads) {
+    joints_ = &joints;
+    take_bodies(bodies, threads);
     order(manifolds, threads);
     make_rows(manifolds, step, threads);
-    take_deep();
+    joints.make(bundles_, indices_);
     solve_rows(step, threads);
-    store(bodies, manifolds, step.seconds, threads);
+    store(bodies, manifolds, step, threads);
+    joints.store();
 }
 
 // Tasks are independent: none reads what another writes. The longest tasks come first.
 void RowSolver::solve_rows(const Step& step, fracture::Threads& threads) {
-    const int sweeps = step.sweeps;
+    const Substeps& substeps = step.substeps;
     changes_.assign(bodies_.size(), {});
-    position_changes_.assign(bodies_.size(), {});
+    moved_.assign(bodies_.size(), {});
+    free_changes_.resize(bodies_.size());
+    added_.resize(bodies_.size());
+    descents_.resize(bodies_.size());
+    jointed_.assign(bodies_.size(), 0);
+    joints_->mark_jointed(jointed_, indices_);
+    acted_ = jointed_;
     const bool few = places_.size() + points_of_lone_ < min_contacts;
     const auto parts_of = [&](uint32_t groups) { return few ? 1 : threads.chunks(groups, min_groups); };
     const uint32_t static_groups = static_rows_.lone_groups(), static_parts = parts_of(static_groups);
     const uint32_t lone_groups = lone_.groups(), lone_parts = parts_of(lone_groups);
-    const uint32_t bundles = bundles_.count(), in_bundles = 2 * bundles;
+    const uint32_t bundles = bundles_.count();
+    const StaticRows::State state{bodies_.data(), changes_.data(), moved_.data(), acted_.data()};
     const auto solve_some = [&](uint32_t task) {
-        if (task < in_bundles && task % 2 == 0) return sweep(task / 2, sweeps);
-        if (task <= in_bundles) return correct_overlap(deep_[task / 2], sweeps);
-        uint32_t part = task - in_bundles - 1;
+        if (task < bundles) return solve_bundle(task, substeps);
+        uint32_t part = task - bundles;
         if (part < static_parts)
             return static_rows_.solve_lone(static_groups * part / static_parts,
-                                           static_groups * (part + 1) / static_parts, sweeps, changes_.data());
+                                           static_groups * (part + 1) / static_parts, substeps, state);
         part -= static_parts;
-        lone_.solve(lone_groups * part / lone_parts, lone_groups * (part + 1) / lone_parts,
-                    {bodies_.data(), changes_.data(), position_changes_.data()}, ground_step(step), sweeps);
+        lone_.solve(lone_groups * part / lone_parts, lone_groups * (part + 1) / lone_parts, state, ground_step(step),
+                    substeps);
     };
-    const uint32_t tasks = in_bundles + 1 + static_parts + lone_parts;
+    const uint32_t tasks = bundles + static_parts + lone_parts;
     if (few)
         for (uint32_t task = 0; task < tasks; ++task) solve_some(task);
     else
         threads.for_each(tasks, solve_some);
 }
 
-void RowSolver::sweep(uint32_t bundle, int count) {
+void RowSolver::solve_bundle(uint32_t bundle, const Substeps& substeps) {
+    for (int substep = 0; substep < substeps.count; ++substep) {
+        start(bundle, substeps);
+        spread(bundle);
+        sweep(bundle, substeps.first, Solution::first);
+        limit_energy(bundle, substeps);
+        joints_->solve(bundle, changes_.data(), Solution::first); // bodies move without opening joints
+        move(bundle, substeps.seconds);
+        start_second(bundle);
+        spread(bundle);
+        const bool last = substep + 1 == substeps.count;
+        sweep(bundle, last ? substeps.last : substeps.second, Solution::second);
+        if (last && start_bounce(bundle)) {
+            spread(bundle);
+            sweep(bundle, substeps.bounce, Solution::second);
+        }
+        finish(bundle);
+    }
+}
+
+// Targets of the first solution, correction of overlap, gravity, and warm starting.
+void RowSolver::start(uint32_t bundle, const Substeps& substeps) {
+    VelocityChange* const changes = changes_.data();
+    for (Row& row : contacts_of(bundle)) {
+        const float gap = row.gap + along(row, moved_.data());
+        row.bias = row.rest - std::max(gap, 0.0f) / substeps.seconds * row.effective_mass;
+        if (const float push = -gap - row.slop; push > 0.0f)
+            apply(row, push * substeps.push_part * row.effective_mass, moved_.data());
+    }
+    static_rows_.start(bundle, substeps, moved_.data());
+    joints_->start_substep(bundle, changes, moved_.data());
+    const glm::vec3 fall = substeps.fall();
+    for (const uint32_t body : bodies_of(bundle))
+        if (bodies_[body].inverse_mass > 0.0f)
+            for (int axis = 0; axis < 3; ++axis) changes[body].linear[axis] += fall[axis];
+    for (const uint32_t body : bodies_of(bundle)) free_changes_[body] = changes[body];
+    for (size_t i = begins_[bundle]; i < begins_[bundle + 1]; ++i) {
+        apply(contacts_[i], contacts_[i].impulse, changes);
+        apply(frictions_[i], frictions_[i].impulse, changes);
+    }
+    static_rows_.apply(bundle, changes);
+}
+
+// Blows are shared by all contacts that they reach (row.h).
+void RowSolver::spread(uint32_t bundle) {
+    VelocityChange* const changes = changes_.data();
+    const std::span<Row> rows = contacts_of(bundle);
+    bool any = static_rows_.find_residuals(bundle, changes);
+    for (Row& row : rows) {
+        const float missing = row.bias - along(row, changes) * row.effective_mass;
+        row.residual = blow_speed * row.effective_mass < missing ? missing * row.share : 0.0f;
+        any = any || row.residual > 0.0f;
+    }
+    if (!any) return;
+    const auto descent_of = [this](uint32_t body) -> Descent& { return descents_[bundles_.component(body)]; };
+    const auto sum = [&](float Descent::*member) {
+        for (const Row& row : rows)
+            if (row.residual > 0.0f)
+                descent_of(row.a).*member +=
+                    row.residual * (row.bias - along(row, changes) * row.effective_mass) / row.effective_mass;
+        static_rows_.descent(bundle, changes, [&](uint32_t body, float part) { descent_of(body).*member += part; });
+    };
+    for (const uint32_t body : bodies_of(bundle)) descent_of(body) = {};
+    sum(&Descent::start);
+    for (const Row& row : rows)
+        if (row.residual > 0.0f) apply(row, row.residual, changes);
+    static_rows_.add_residuals(bundle, changes);
+    sum(&Descent::end);
+    for (Row& row : rows) {
+        if (!(row.residual > 0.0f)) continue;
+        const float factor = descent_of(row.a).factor();
+        row.impulse += row.residual * factor;
+        apply(row, row.residual * (factor - 1.0f), changes);
+    }
+    static_rows_.spread(bundle, changes, [&](uint32_t body) { return descent_of(body).factor(); });
+}
+
+float RowSolver::AddedEnergy::share() const {
+    if (!(linear + square > allowed)) return 1.0f;
+    const double root = std::sqrt(linear * linear + 4.0 * square * allowed);
+    return static_cast<float>(linear > 0.0 ? 2.0 * allowed / (root + linear) : (root - linear) / (2.0 * square));
+}
+
+// The impulses of a substep add no kinetic energy to a component of bodies without joints. Bodies at rest may get as
+// much as gravity gives them in a substep, because the impulses that hold up a stack grow from below.
+void RowSolver::limit_energy(uint32_t bundle, const Substeps& substeps) {
+    const std::span<const uint32_t> bodies = bodies_of(bundle);
+    const auto added_of = [this](uint32_t body) -> AddedEnergy& { return added_[bundles_.component(body)]; };
+    for (const uint32_t body : bodies) added_of(body) = {};
+    const float fall = 0.5f * glm::dot(substeps.fall(), substeps.fall());
+    for (const uint32_t body : bodies) {
+        const SolverBody& own = bodies_[body];
+        const VelocityChange &free = free_changes_[body], &change = changes_[body];
+        const glm::vec3 linear = vector(change.linear) - vector(free.linear);
+        const glm::vec3 angular = vector(change.angular) - vector(free.angular);
+        const glm::vec3 turned(glm::dot(own.inertia[0], angular), glm::dot(own.inertia[1], angular),
+                               glm::dot(own.inertia[2], angular)); // N m s
+        AddedEnergy& added = added_of(body);
+        added.linear += own.mass * glm::dot(own.linear + vector(free.linear), linear)
+                        + glm::dot(own.angular + vector(free.angular), turned);
+        added.square += 0.5f * (own.mass * glm::dot(linear, linear) + glm::dot(angular, turned));
+        added.allowed += jointed_[body] != 0 ? std::numeric_limits<double>::infinity() : own.mass * fall;
+    }
+    const auto share_of = [&](uint32_t body) { return added_of(body).share(); };
+    bool any = false;
+    for (const uint32_t body : bodies) {
+        const float share = share_of(body);
+        if (share == 1.0f) continue;
+        any = true;
+        const VelocityChange& free = free_changes_[body];
+        VelocityChange& change = changes_[body];
+        for (int axis = 0; axis < 3; ++axis) {
+            change.linear[axis] = free.linear[axis] + share * (change.linear[axis] - free.linear[axis]);
+            change.angular[axis] = free.angular[axis] + share * (change.angular[axis] - free.angular[axis]);
+        }
+    }
+    if (!any) return;
+    for (size_t i = begins_[bundle]; i < begins_[bundle + 1]; ++i) {
+        const float share = share_of(contacts_[i].a);
+        contacts_[i].impulse *= share;
+        for (float& impulse : frictions_[i].impulse) impulse *= share;
+    }
+    static_rows_.scale(bundle, share_of);
+}
+
+void RowSolver::move(uint32_t bundle, float seconds) {
+    for (const uint32_t body : bodies_of(bundle)) {
+        const SolverBody& own = bodies_[body];
+        for (int axis = 0; axis < 3; ++axis) {
+            moved_[body].linear[axis] += (own.linear[axis] + changes_[body].linear[axis]) * seconds;
+            moved_[body].angular[axis] += (own.angular[axis] + changes_[body].angular[axis]) * seconds;
+        }
+    }
+}
+
+void RowSolver::start_second(uint32_t bundle) {
+    for (Row& row : contacts_of(bundle))
+        if (row.impulse > 0.0f) row.bias = row.rest;
+    static_rows_.start_second(bundle);
+}
+
+bool RowSolver::start_bounce(uint32_t bundle) {
+    bool any = static_rows_.start_bounce(bundle);
+    for (Row& row : contacts_of(bundle)) {
+        if (!(row.bounce > 0.0f) || !(row.impulse + row.total > 0.0f)) continue;
+        row.bias = row.rest + row.bounce;
+        any = true;
+    }
+    return any;
+}
+
+// As FourChanges::finish().
+void RowSolver::finish(uint32_t bundle) {
+    for (size_t i = begins_[bundle]; i < begins_[bundle + 1]; ++i) {
+        Row& row = contacts_[i];
+        const float limit = start_growth * row.start + start_speed * row.effective_mass;
+        const float kept = limit < row.impulse ? limit / row.impulse : 1.0f;
+        row.total += row.impulse;
+        if (row.total > 0.0f || row.gap + row.slop < 0.0f) acted_[row.a] = acted_[row.b] = 1;
+        row.impulse = row.start = row.impulse * kept;
+        for (int k = 0; k < 2; ++k) {
+            frictions_[i].total[k] += frictions_[i].impulse[k];
+            frictions_[i].impulse[k] *= kept;
+        }
+    }
+    static_rows_.finish(bundle, acted_.data());
+    joints_->finish_substep(bundle);
+}
+
+std::span<Row> RowSolver::contacts_of(uint32_t bundle) {
+    return std::span(contacts_).subspan(begins_[bundle], begins_[bundle + 1] - begins_[bundle]);
+}
+
+std::span<const uint32_t> RowSolver::bodies_of(uint32_t bundle) const {
+    return std::span(bundle_bodies_)
+        .subspan(bundle_begins_[bundle], bundle_begins_[bundle + 1] - bundle_begins_[bundle]);
+}
+
+void RowSolver::sweep(uint32_t bundle, int count, Solution solution) {
+    VelocityChange* const changes = changes_.data();
     const size_t begin = begins_[bundle], end = begins_[bundle + 1];
     const std::span<Row> contacts = std::span(contacts_).subspan(begin, end - begin);
-    VelocityChange* const changes = changes_.data();
-    for (const Row& row : contacts) apply(row, row.impulse, changes);
-    static_rows_.apply(bundle, changes);
     for (int sweep = 0; sweep < count; ++sweep) {
+        joints_->solve(bundle, changes, solution);
         solve_contacts(contacts, changes);
         static_rows_.solve_contacts(bundle, changes);
         solve_friction(begin, end);
@@ -88,7 +266,7 @@ void RowSolver::sweep(uint32_t bundle, int count) {
     }
 }
 
-void RowSolver::take_bodies(std::span<Body* const> bodies, const Step& step, fracture::Threads& threads) {
+void RowSolver::take_bodies(std::span<Body* const> bodies, fracture::Threads& threads) {
     if (!bodies.empty()) indices_.resize(std::max<size_t>(indices_.size(), bodies.back()->index + 1));
     bodies_.resize(bodies.size());
     inverse_masses_.resize(bodies.size());
@@ -96,20 +274,26 @@ void RowSolver::take_bodies(std::span<Body* const> bodies, const Step& step, fra
         for (uint32_t i = begin; i < end; ++i) {
             if (i + prefetch_distance < end) prefetch(bodies[i + prefetch_distance]);
             indices_[bodies[i]->index] = i;
-            bodies_[i] = solver_body(*bodies[i], step);
+            bodies_[i] = solver_body(*bodies[i]);
             inverse_masses_[i] = bodies_[i].inverse_mass;
         }
     });
 }
 
-SolverBody RowSolver::solver_body(const Body& body, const Step& step) {
+SolverBody RowSolver::solver_body(const Body& body) {
     if (body.resting) return {.centre = body.frame.origin};
+    const glm::mat3& axes = body.frame.basis;
+    const glm::vec3 moments(body.moments);
+    const glm::mat3 inertia =
+        glm::mat3(axes[0] * moments.x, axes[1] * moments.y, axes[2] * moments.z) * glm::transpose(axes);
     return {
         .inverse_inertia = {row(body.inverse_inertia, 0), row(body.inverse_inertia, 1), row(body.inverse_inertia, 2)},
         .centre = body.frame.origin,
-        .linear = body.velocity.linear + step.gravity * step.seconds,
+        .linear = body.velocity.linear,
         .angular = body.velocity.angular,
-        .inverse_mass = body.inverse_mass};
+        .inverse_mass = body.inverse_mass,
+        .inertia = {row(inertia, 0), row(inertia, 1), row(inertia, 2)},
+        .mass = body.mass};
 }
 
 RowSolver::Sides RowSolver::sides_of(const AnyManifold& manifold) const {
@@ -124,9 +308,11 @@ void RowSolver::order(std::span<const AnyManifold> manifolds, fracture::Threads&
                        [&](uint32_t, uint32_t begin, uint32_t end) {
                            for (uint32_t i = begin; i < end; ++i) sides_[i] = sides_of(manifolds[i]);
                        });
+    share_points();
     bundles_.start(bodies_.size());
     for (const Sides& two : sides_)
         if (!two.one_sided() && two.count > 0) bundles_.join(two.a, two.b, two.count);
+    joints_->join(bundles_, indices_);
     bundles_.finish(min_bundle);
     take_lone(manifolds);
     keys_.clear();
@@ -156,6 +342,28 @@ void RowSolver::order(std::span<const AnyManifold> manifolds, fracture::Threads&
     places_.resize(keys_.size());
     for (size_t i = 0; i < keys_.size(); ++i) places_[i] = starts_[keys_[i]]++;
     order_static();
+    list_bodies();
+}
+
+// A counting sort of the solver bodies by bundle; and which bodies have rows.
+void RowSolver::list_bodies() {
+    bundle_begins_.assign(bundles_.count() + 1, 0);
+    for (uint32_t body = 0; body < bodies_.size(); ++body)
+        if (bundles_.of(body) != Bundles::none) ++bundle_begins_[bundles_.of(body) + 1];
+    for (size_t i = 1; i < bundle_begins_.size(); ++i) bundle_begins_[i] += bundle_begins_[i - 1];
+    bundle_bodies_.resize(bundle_begins_.back());
+    starts_.assign(bundle_begins_.begin(), bundle_begins_.end());
+    for (uint32_t body = 0; body < bodies_.size(); ++body)
+        if (bundles_.of(body) != Bundles::none) bundle_bodies_[starts_[bundles_.of(body)]++] = body;
+}
+
+void RowSolver::share_points() {
+    points_.assign(bodies_.size(), 0);
+    for (const Sides& two : sides_)
+        for (const uint32_t body : {two.a, two.b})
+            if (body != none) points_[body] += two.count;
+    for (size_t body = 0; body < bodies_.size(); ++body)
+        if (points_[body] > 0) bodies_[body].share = 1.0f / static_cast<float>(points_[body]);
 }
 
 // Moves bodies that touch the ground only from the ordered points to lone_.
@@ -166,6 +374,7 @@ void RowSolver::take_lone(std::span<const AnyManifold> manifolds) {
     for (const Sides& two : sides_)
         for (const uint32_t body : {two.a, two.b})
             if (body != none && two.count > 0) ++touched_[body];
+    joints_->touch(touched_, indices_);
     for (size_t m = 0; m < manifolds.size(); ++m) {
         Sides& two = sides_[m];
         if (!manifolds[m].ground || two.count == 0 || touched_[two.a] > 1 || inverse_masses_[two.a] == 0.0f) continue;
@@ -191,7 +400,6 @@ void RowSolver::make_rows(std::span<const AnyManifold> manifolds, const Step& st
     contacts_.resize(first_static_);
     frictions_.resize(first_static_);
     coefficients_.resize(first_static_);
-    corrections_.resize(places_.size());
     threads.for_chunks(static_cast<uint32_t>(manifolds.size()), min_manifolds,
                        [&](uint32_t, uint32_t begin, uint32_t end) {
                            for (uint32_t i = begin; i < end; ++i) {
@@ -216,42 +424,36 @@ std::span<RowSolver::Solved> RowSolver::solved_of(size_t manifold) {
 
 void RowSolver::make_rows(Manifold& manifold, std::span<const uint32_t> places, std::span<Solved> solved,
                           const Step& step) {
-    // The overlap that a step may correct; a deeper one counts as this deep.
-    const float deepest = step.separation_speed * step.seconds / correction_part;
     const Body &a = manifold.a(), &b = manifold.b();
+    // A deeper overlap counts as one that is corrected at the separation speed.
+    const float deepest = step.separation_speed * step.substeps.seconds / step.substeps.push_part + manifold.slop();
     const bool swapped = a.fixed, one_sided = swapped || b.fixed;
     const auto swap = [&](const glm::vec3& v) { return swapped ? -v : v; };
     for (size_t i = 0; i < places.size(); ++i) {
         ContactPoint& point = manifold.points()[i];
         const glm::vec3 position = !one_sided ? 0.5f * (point.on_a + point.on_b) : swapped ? point.on_b : point.on_a;
         const float distance = std::max(point.distance, -deepest);
-        const Made made = make_row({.a = side_of(swapped ? b : a, position),
-                                    .b = side_of(swapped ? a : b, position),
-                                    .normal = swap(point.normal),
-                                    .distance = distance,
-                                    .correction_part = correction_part,
-                                    .restitution = manifold.restitution(),
-                                    .coefficient = manifold.friction(),
-                                    .normal_impulse = point.normal_impulse,
-                                    .friction_impulse = point.friction_impulse,
-                                    .tangent = swap(point.tangent),
-                                    .odd = i % 2 != 0},
-                                   places[i], step);
+        const float speed = make_row({.a = side_of(swapped ? b : a, position),
+                                      .b = side_of(swapped ? a : b, position),
+                                      .normal = swap(point.normal),
+                                      .distance = distance,
+                                      .slop = manifold.slop(),
+                                      .restitution = manifold.restitution(),
+                                      .coefficient = manifold.friction(),
+                                      .start = {point.start.normal, swap(point.start.friction)}},
+                                     places[i], step);
         solved[i] = {.manifold = &manifold,
                      .point = &point,
                      .position = position,
                      .distance = distance,
-                     .speed = made.speed,
+                     .speed = speed,
                      .impulse = 0.0f,
-                     .friction = swap(made.tangent)};
+                     .friction = glm::vec3(0.0f)};
     }
 }
 
 GroundStep RowSolver::ground_step(const Step& step) {
-    return {.seconds = step.seconds,
-            .gravity = step.gravity,
-            .min_bounce_speed = step.min_bounce_speed,
-            .warm_start_part = warm_start_part};
+    return {.min_bounce_speed = step.min_bounce_speed};
 }
 
 void RowSolver::make_rows(GroundManifold& ground, std::span<const uint32_t> places, const Step& step) {
@@ -262,10 +464,7 @@ void RowSolver::make_rows(GroundManifold& ground, std::span<const uint32_t> plac
         for (size_t i = first; i < std::min(places.size(), first + 4); ++i) {
             const size_t lane = i - first;
             GroundPoint& point = ground.all[i];
-            const auto& tangent = made.frictions.normal;
             point.speed = made.speed[lane];
-            point.tangent = {tangent[0][lane], tangent[1][lane], tangent[2][lane]};
-            corrections_[places[i]] = made.correction[lane];
             static_rows_.put(places[i] - first_static_, made.contacts, made.frictions, lane, ground.friction);
         }
     }
@@ -274,20 +473,15 @@ void RowSolver::make_rows(GroundManifold& ground, std::span<const uint32_t> plac
 void RowSolver::make_rows_of_resting(GroundManifold& ground, std::span<const uint32_t> places, const Step& step) {
     for (size_t i = 0; i < places.size(); ++i) {
         GroundPoint& point = ground.all[i];
-        const Made made = make_row({.a = side_of(*ground.body, point.position),
-                                    .b = {},
-                                    .normal = {0, 1, 0},
-                                    .distance = point.distance,
-                                    .correction_part = GroundRows::correction_part,
-                                    .restitution = ground.restitution,
-                                    .coefficient = ground.friction,
-                                    .normal_impulse = point.warm_normal_impulse(),
-                                    .friction_impulse = point.warm_friction_impulse(),
-                                    .tangent = point.tangent,
-                                    .odd = i % 2 != 0},
-                                   places[i], step);
-        point.speed = made.speed;
-        point.tangent = made.tangent;
+        point.speed = make_row({.a = side_of(*ground.body, point.position),
+                                .b = {},
+                                .normal = {0, 1, 0},
+                                .distance = point.distance,
+                                .slop = ground.slop,
+                                .restitution = ground.restitution,
+                                .coefficient = ground.friction,
+                                .start = point.start},
+                               places[i], step);
     }
 }
 
@@ -297,7 +491,7 @@ RowSolver::Side RowSolver::side_of(const Body& body, const glm::vec3& position) 
     return {&bodies_[index], index, position - bodies_[index].centre};
 }
 
-// J and m_eff of row.h along a direction n, and the bias of v_target = 0: -m_eff J v.
+// J and m_eff of row.h along a direction n, and -m_eff J v.
 Row RowSolver::row_along(const glm::vec3& normal, const Side& a, const Side& b) {
     Row row{};
     const auto inverse_inertia_times = [](const SolverBody& body, const glm::vec3& v) {
@@ -324,38 +518,25 @@ Row RowSolver::row_along(const glm::vec3& normal, const Side& a, const Side& b) 
         apart += glm::dot(angular_b, b.body->angular) - glm::dot(normal, b.body->linear);
     }
     row.effective_mass = inverse_effective_mass > 0.0f ? 1.0f / inverse_effective_mass : 0.0f;
-    row.bias = -apart * row.effective_mass;
+    row.rest = -apart * row.effective_mass;
     return row;
 }
 
-// Contact: bias = m_eff (v_target - J v), with v_target = bounce - max(distance, 0) / h as in row.h: the gap may close
-// within the step. Friction: v_target = 0. The bias of the split impulse goes to corrections_.
-inline RowSolver::Made RowSolver::make_row(const Touch& touch, size_t place, const Step& step) {
+inline float RowSolver::make_row(const Touch& touch, size_t place, const Step& step) {
     const Side &a = touch.a, &b = touch.b;
     const glm::vec3& normal = touch.normal;
     Row row = row_along(normal, a, b);
     // Between two resting bodies, or a resting and a static one, m_eff is 0 and the impulses stay constant.
     const bool at_rest = row.effective_mass == 0.0f;
-    const float apart = at_rest ? 0.0f : -row.bias / row.effective_mass;
-    // J v_0: before the step's gravity, which cancels for two moving bodies.
-    const float before = b.body || at_rest ? apart : apart - glm::dot(normal, step.gravity) * step.seconds;
-    const float bounce = std::abs(before) < step.min_bounce_speed ? 0.0f : std::max(0.0f, -before * touch.restitution);
-    row.bias += (bounce - std::max(touch.distance, 0.0f) / step.seconds) * row.effective_mass;
-    row.impulse = touch.normal_impulse * (at_rest ? 1.0f : warm_start_part);
-    corrections_[place] = std::max(-touch.distance, 0.0f) * touch.correction_part / step.seconds * row.effective_mass;
-
-    glm::vec3 sliding = a.body->linear + glm::cross(a.body->angular, a.arm);
-    if (b.body) sliding -= b.body->linear + glm::cross(b.body->angular, b.arm);
-    sliding -= normal * apart;
-    glm::vec3 tangent;
-    if (at_rest && length_squared(touch.tangent) > 0.5f)
-        tangent = touch.tangent;
-    else if (const float square = length_squared(sliding); square > min_sliding_square)
-        tangent = sliding * (1.0f / std::sqrt(square));
-    else
-        tangent = touch.odd ? tangents_of(normal).second : tangents_of(normal).first;
-    Row friction = row_along(tangent, a, b);
-    if (at_rest) friction.impulse = touch.friction_impulse;
+    const float approach = at_rest ? 0.0f : row.rest / row.effective_mass;
+    const float bounce =
+        std::abs(approach) < step.min_bounce_speed ? 0.0f : std::max(0.0f, approach * touch.restitution);
+    row.gap = touch.distance;
+    row.slop = touch.slop;
+    row.share = b.body ? std::min(a.body->share, b.body->share) : a.body->share;
+    row.bounce = bounce * row.effective_mass;
+    row.impulse = row.start = touch.start.normal;
+    const FrictionRows friction = friction_of(touch);
     if (place >= first_static_) {
         static_rows_.put(place - first_static_, row, friction, touch.coefficient);
     } else {
@@ -363,92 +544,124 @@ inline RowSolver::Made RowSolver::make_row(const Touch& touch, size_t place, con
         frictions_[place] = friction;
         coefficients_[place] = touch.coefficient;
     }
-    return {.speed = -before, .tangent = tangent};
+    return approach;
+}
+
+FrictionRows RowSolver::friction_of(const Touch& touch) {
+    const Tangents tangents = tangents_of(touch.normal);
+    const Row along[2] = {row_along(tangents.first, touch.a, touch.b), row_along(tangents.second, touch.a, touch.b)};
+    FrictionRows friction{};
+    float response[2];
+    for (size_t i = 0; i < 2; ++i) {
+        const Row& row = along[i];
+        FrictionRows::Along& to = friction.along[i];
+        std::ranges::copy(row.normal, to.tangent);
+        std::ranges::copy(row.angular_a, to.angular_a);
+        std::ranges::copy(row.angular_b, to.angular_b);
+        std::ranges::copy(row.inverse_inertia_angular_a, to.inverse_inertia_angular_a);
+        std::ranges::copy(row.inverse_inertia_angular_b, to.inverse_inertia_angular_b);
+        const bool at_rest = row.effective_mass == 0.0f;
+        response[i] = at_rest ? 0.0f : 1.0f / row.effective_mass;
+        to.rest = row.rest * response[i];
+        friction.impulse[i] = glm::dot(i == 0 ? tangents.first : tangents.second, touch.start.friction);
+    }
+    const float between = glm::dot(vector(along[0].inverse_inertia_angular_a), vector(along[1].angular_a))
+                          + glm::dot(vector(along[0].inverse_inertia_angular_b), vector(along[1].angular_b));
+    const float determinant = response[0] * response[1] - between * between;
+    const float part = determinant > 0.0f ? 1.0f / determinant : 0.0f;
+    friction.mass_11 = response[1] * part;
+    friction.mass_12 = -between * part;
+    friction.mass_22 = response[0] * part;
+    const float trace = response[0] + response[1];
+    friction.sliding_mass = trace > 0.0f ? 1.0f / trace : 0.0f;
+    friction.inverse_mass_a = along[0].inverse_mass_a;
+    friction.inverse_mass_b = along[0].inverse_mass_b;
+    friction.a = along[0].a;
+    friction.b = along[0].b;
+    return friction;
 }
 
 void RowSolver::solve_contacts(std::span<Row> rows, VelocityChange* changes) {
-    for (Row& row : rows) solve_row(row, changes, 0.0f, no_limit);
+    for (Row& row : rows) solve_row(row, changes);
 }
 
-// |lambda| <= mu lambda_contact.
+// |(lambda_1, lambda_2)| <= mu lambda_contact.
 void RowSolver::solve_friction(size_t begin, size_t end) {
     VelocityChange* const changes = changes_.data();
     for (size_t i = begin; i < end; ++i) {
+        FrictionRows& rows = frictions_[i];
         const float most = coefficients_[i] * contacts_[i].impulse;
-        if (most <= 0.0f && frictions_[i].impulse == 0.0f) continue;
-        solve_row(frictions_[i], changes, -most, most);
+        if (most <= 0.0f && rows.impulse[0] == 0.0f && rows.impulse[1] == 0.0f) continue;
+        const VelocityChange &a = changes[rows.a], &b = changes[rows.b];
+        const Float4 linear = Float4::load(a.linear) - Float4::load(b.linear);
+        const Float4 angular_a = Float4::load(a.angular), angular_b = Float4::load(b.angular);
+        const auto apart = [&](const FrictionRows::Along& along) {
+            return sum3(Float4::load3(along.tangent) * linear + Float4::load3(along.angular_a) * angular_a
+                        + Float4::load3(along.angular_b) * angular_b);
+        };
+        const float slow[2] = {rows.along[0].rest - apart(rows.along[0]), rows.along[1].rest - apart(rows.along[1])};
+        const float before[2] = {rows.impulse[0], rows.impulse[1]};
+        float after[2] = {before[0] + (rows.mass_11 * slow[0] + rows.mass_12 * slow[1]),
+                          before[1] + (rows.mass_12 * slow[0] + rows.mass_22 * slow[1])};
+        if (after[0] * after[0] + after[1] * after[1] > most * most) {
+            for (int k = 0; k < 2; ++k) after[k] = before[k] + rows.sliding_mass * slow[k];
+            const float length = std::sqrt(after[0] * after[0] + after[1] * after[1]);
+            const float part = length > most ? most / length : 1.0f;
+            after[0] *= part;
+            after[1] *= part;
+        }
+        rows.impulse[0] = after[0];
+        rows.impulse[1] = after[1];
+        const float added[2] = {after[0] - before[0], after[1] - before[1]};
+        apply(rows, added, changes);
     }
 }
 
-inline void RowSolver::apply_first(const Row& row, float impulse, VelocityChange* changes) {
-    VelocityChange& a = changes[row.a];
-    (Float4::load(a.linear) + Float4::load3(row.normal) * Float4::all(impulse * row.inverse_mass_a)).store(a.linear);
-    (Float4::load(a.angular) + Float4::load3(row.inverse_inertia_angular_a) * Float4::all(impulse)).store(a.angular);
+void RowSolver::apply(const FrictionRows& rows, const float* impulse, VelocityChange* changes) {
+    VelocityChange &a = changes[rows.a], &b = changes[rows.b];
+    Float4 linear = Float4::all(0.0f), angular_a = Float4::load(a.angular), angular_b = Float4::load(b.angular);
+    for (size_t i = 0; i < 2; ++i) {
+        const FrictionRows::Along& along = rows.along[i];
+        const Float4 size = Float4::all(impulse[i]);
+        linear = linear + Float4::load3(along.tangent) * size;
+        angular_a = angular_a + Float4::load3(along.inverse_inertia_angular_a) * size;
+        angular_b = angular_b + Float4::load3(along.inverse_inertia_angular_b) * size;
+    }
+    (Float4::load(a.linear) + linear * Float4::all(rows.inverse_mass_a)).store(a.linear);
+    (Float4::load(b.linear) - linear * Float4::all(rows.inverse_mass_b)).store(b.linear);
+    angular_a.store(a.angular);
+    angular_b.store(b.angular);
+}
+
+// J times a change of velocity or a displacement.
+inline float RowSolver::along(const Row& row, const VelocityChange* changes) {
+    const VelocityChange &a = changes[row.a], &b = changes[row.b];
+    return sum3(Float4::load3(row.normal) * (Float4::load(a.linear) - Float4::load(b.linear))
+                + Float4::load3(row.angular_a) * Float4::load(a.angular)
+                + Float4::load3(row.angular_b) * Float4::load(b.angular));
 }
 
 void RowSolver::apply(const Row& row, float impulse, VelocityChange* changes) {
-    apply_first(row, impulse, changes);
-    VelocityChange& b = changes[row.b];
-    (Float4::load(b.linear) - Float4::load3(row.normal) * Float4::all(impulse * row.inverse_mass_b)).store(b.linear);
-    (Float4::load(b.angular) + Float4::load3(row.inverse_inertia_angular_b) * Float4::all(impulse)).store(b.angular);
+    VelocityChange &a = changes[row.a], &b = changes[row.b];
+    const Float4 normal = Float4::load3(row.normal), size = Float4::all(impulse);
+    (Float4::load(a.linear) + normal * Float4::all(impulse * row.inverse_mass_a)).store(a.linear);
+    (Float4::load(a.angular) + Float4::load3(row.inverse_inertia_angular_a) * size).store(a.angular);
+    (Float4::load(b.linear) - normal * Float4::all(impulse * row.inverse_mass_b)).store(b.linear);
+    (Float4::load(b.angular) + Float4::load3(row.inverse_inertia_angular_b) * size).store(b.angular);
 }
 
-inline void RowSolver::solve_row(Row& row, VelocityChange* changes, float low, float high) {
-    const VelocityChange &a = changes[row.a], &b = changes[row.b];
-    const float apart = sum3(Float4::load3(row.normal) * (Float4::load(a.linear) - Float4::load(b.linear))
-                             + Float4::load3(row.angular_a) * Float4::load(a.angular)
-                             + Float4::load3(row.angular_b) * Float4::load(b.angular));
+inline void RowSolver::solve_row(Row& row, VelocityChange* changes) {
     const float before = row.impulse;
-    row.impulse = std::clamp(before + row.bias - apart * row.effective_mass, low, high);
+    row.impulse = std::max(0.0f, before + row.bias - along(row, changes) * row.effective_mass);
     apply(row, row.impulse - before, changes);
 }
 
-// Neither reads nor writes a static b: otherwise the rows of all bodies on the ground would depend on each other.
-inline void RowSolver::solve_one_sided(Row& row, VelocityChange* changes) {
-    const VelocityChange& a = changes[row.a];
-    const float apart = sum3(Float4::load3(row.normal) * Float4::load(a.linear)
-                             + Float4::load3(row.angular_a) * Float4::load(a.angular));
-    const float before = row.impulse;
-    row.impulse = std::max(0.0f, before + row.bias - apart * row.effective_mass);
-    apply_first(row, row.impulse - before, changes);
-}
-
-void RowSolver::take_deep() {
-    deep_.resize(std::max<size_t>(deep_.size(), bundles_.count() + 1));
-    for (Deep& deep : deep_) {
-        deep.between.clear();
-        deep.one_sided.clear();
-    }
-    const auto take = [this](size_t place, Row& row) {
-        row.bias = corrections_[place];
-        row.impulse = 0.0f;
-    };
-    const auto deep_of = [this](uint32_t body) -> Deep& {
-        return deep_[std::min(bundles_.of(body), bundles_.count())];
-    };
-    for (size_t place = 0; place < first_static_; ++place)
-        if (corrections_[place] != 0.0f)
-            take(place, deep_of(contacts_[place].a).between.emplace_back(contacts_[place]));
-    for (size_t place = first_static_; place < corrections_.size(); ++place)
-        if (corrections_[place] != 0.0f)
-            take(place, deep_of(static_bodies_[place - first_static_])
-                            .one_sided.emplace_back(static_rows_.row(place - first_static_)));
-}
-
-// Split impulses: their dv moves the bodies once and is then discarded.
-void RowSolver::correct_overlap(Deep& deep, int sweeps) {
-    for (int sweep = 0; sweep < sweeps; ++sweep) {
-        solve_contacts(deep.between, position_changes_.data());
-        for (Row& row : deep.one_sided) solve_one_sided(row, position_changes_.data());
-    }
-}
-
-void RowSolver::store(std::span<Body* const> bodies, std::span<const AnyManifold> manifolds, float seconds,
+void RowSolver::store(std::span<Body* const> bodies, std::span<const AnyManifold> manifolds, const Step& step,
                       fracture::Threads& threads) {
     threads.for_chunks(static_cast<uint32_t>(bodies.size()), min_bodies, [&](uint32_t, uint32_t begin, uint32_t end) {
         for (uint32_t i = begin; i < end; ++i) {
             if (i + prefetch_distance < end) prefetch(bodies[i + prefetch_distance]);
-            store(*bodies[i], i, seconds);
+            store(*bodies[i], i, step);
         }
     });
     threads.for_chunks(static_cast<uint32_t>(manifolds.size()), min_manifolds,
@@ -466,42 +679,59 @@ void RowSolver::store(std::span<Body* const> bodies, std::span<const AnyManifold
                        });
 }
 
-void RowSolver::store(Body& body, size_t index, float seconds) const {
-    body.velocity.linear = bodies_[index].linear + vector(changes_[index].linear);
-    body.velocity.angular = bodies_[index].angular + vector(changes_[index].angular);
-    const glm::vec3 translation = vector(position_changes_[index].linear) * seconds;
-    const glm::vec3 rotation = vector(position_changes_[index].angular) * (rotation_share * seconds);
-    const float angle = glm::length(rotation);
-    body.has_correction = angle > 0.0f || length_squared(translation) > 0.0f;
-    if (!body.has_correction) return;
-    body.correction.origin = translation;
-    body.correction.basis = glm::mat3(1.0f);
-    if (angle > 0.0f) {
-        const glm::vec3 axis = rotation * (1.0f / angle);
-        const float s = std::sin(angle * 0.5f) / glm::length(axis);
-        body.correction.basis = matrix_of({std::cos(angle * 0.5f), axis.x * s, axis.y * s, axis.z * s});
+void RowSolver::store(Body& body, size_t index, const Step& step) const {
+    const Velocity before{bodies_[index].linear, bodies_[index].angular};
+    if (body.resting) {
+        body.velocity = body.motion = before;
+        return;
     }
+    if (acted_[index] == 0) { // falls along its parabola: at the mean of its speeds before and after the step
+        const glm::vec3 fall = step.substeps.gravity * step.seconds;
+        body.velocity = {before.linear + fall, before.angular};
+        body.motion = {before.linear + 0.5f * fall, before.angular};
+        return;
+    }
+    body.velocity = {before.linear + vector(changes_[index].linear), before.angular + vector(changes_[index].angular)};
+    const float rate = 1.0f / step.seconds;
+    body.motion = {vector(moved_[index].linear) * rate, vector(moved_[index].angular) * rate};
 }
 
 StaticRows::Impulses RowSolver::impulses(size_t place) const {
     if (place >= first_static_) return static_rows_.impulses(place - first_static_);
-    return {contacts_[place].impulse, frictions_[place].impulse};
+    const Row& row = contacts_[place];
+    const FrictionRows& friction = frictions_[place];
+    return {.total = row.total,
+            .start = row.impulse,
+            .friction_total = {friction.total[0], friction.total[1]},
+            .friction_start = {friction.impulse[0], friction.impulse[1]}};
+}
+
+glm::vec3 RowSolver::friction_along(const Tangents& tangents, const std::array<float, 2>& impulse) {
+    return tangents.first * impulse[0] + tangents.second * impulse[1];
 }
 
 void RowSolver::store(Solved& contact, size_t place) const {
     ContactPoint& point = *contact.point;
-    const auto [normal, friction] = impulses(place);
-    point.tangent = contact.friction;
-    contact.impulse = normal;
-    contact.friction = point.tangent * friction;
-    const bool blow = contact.speed > blow_speed;
-    point.normal_impulse = blow ? 0.0f : normal;
-    point.friction_impulse = blow ? 0.0f : friction;
+    const StaticRows::Impulses impulse = impulses(place);
+    const bool swapped = contact.manifold->a().fixed;
+    const Tangents tangents = tangents_of(swapped ? -point.normal : point.normal);
+    const auto on_first = [&](const std::array<float, 2>& friction) {
+        const glm::vec3 sum = friction_along(tangents, friction);
+        return swapped ? -sum : sum;
+    };
+    point.last = {impulse.total, on_first(impulse.friction_total)};
+    point.start = {impulse.start, on_first(impulse.friction_start)};
+    contact.impulse = point.last.normal;
+    contact.friction = point.last.friction;
 }
 
 void RowSolver::store(GroundPoint& contact, size_t place) const {
-    const auto [normal, friction] = impulses(place);
-    contact.take(normal, friction);
+    const StaticRows::Impulses impulse = impulses(place);
+    const auto of = [](float normal, const std::array<float, 2>& friction) {
+        return PointImpulse{normal, friction_along(tangents_of_ground(), friction)};
+    };
+    contact.last = of(impulse.total, impulse.friction_total);
+    contact.start = of(impulse.start, impulse.friction_start);
 }
 
 } // namespace brittle::physics

@@ -5,16 +5,21 @@
 //   most one body, and the processor overlaps their work. Rejected: graph colouring of rows, which was no faster.
 // - Rows against static bodies come last, so that each sweep ends without velocity into the ground. Otherwise a heavy
 //   piece presses a light one below it millimetres into the ground and holds it there.
+// - A sweep begins with the joints, which are solved directly (joint_rows.h).
 // - A sweep over contact rows is followed by a sweep over their friction rows.
 // - Bodies that do not act on each other are solved on different threads (bundles.h). Bodies that touch no moving body
-//   run all their sweeps at once (static_rows.h; lone_bodies.h for bodies on the ground).
-// - Split impulses correct overlap: rows of their own change positions, and no velocities.
-// - One friction direction a point: the direction of sliding. Points that do not slide alternate between two tangents.
-//   There are no joints and no rolling friction.
+//   run all their substeps at once (static_rows.h; lone_bodies.h for bodies on the ground).
+// - Overlap is corrected in the displacement of the bodies, before each substep, and leaves no velocity.
+// - Friction is a cone: two tangents a point, solved together. There is no rolling friction.
+// - Bodies move with a first solution, which closes gaps, and leave with a second one, in which contacts that press
+//   close no more. Bounces are part of the second solution (row.h).
+// - A body on which no contact acts moves along its parabola.
 // - The contact point of two moving bodies is midway across the gap or overlap. With a point on each body, the lever
 //   arms of friction would differ by the gap and turn the bodies too much.
 // - A resting body (sleeping.h) has infinite mass; between two resting bodies impulses stay constant.
-// - Warm starting: lambda starts from 0.85 of the point's last impulse.
+// - Warm starting: lambda starts from the point's last impulse, whose growth is limited (start_growth in row.h). A
+//   smaller part would leave each step to find the rest anew, and a tall stack would sink. What it adds to the kinetic
+//   energy is taken back after the first solution: all impulses of the component are scaled down.
 //
 // Metres, seconds, kilograms. Not thread-safe; works on several threads itself.
 //
@@ -30,6 +35,7 @@
 #include "fracture/base/threads.h"
 #include "physics/solver/body.h"
 #include "physics/solver/bundles.h"
+#include "physics/solver/joints.h"
 #include "physics/solver/lone_bodies.h"
 #include "physics/solver/manifold.h"
 #include "physics/solver/row.h"
@@ -41,8 +47,7 @@ class RowSolver {
   public:
     struct Step {
         float seconds = 0.0f;
-        int sweeps = 0;
-        glm::vec3 gravity{0.0f};
+        Substeps substeps;
         float separation_speed = 0.0f; // m/s, the fastest correction of overlap between moving bodies
         float min_bounce_speed = 0.0f; // m/s; slower impacts do not bounce
     };
@@ -54,12 +59,12 @@ class RowSolver {
         float distance;     // m; an overlap is limited to what a step may correct
         float speed;        // m/s, approach speed along the normal, before the step's gravity
         float impulse;      // N s, on the first body, along the normal
-        glm::vec3 friction; // N s, on the first body, across the normal; during the sweeps its unit direction
+        glm::vec3 friction; // N s, on the first body, across the normal
     };
 
-    // Takes the awake bodies in body order and all their contacts. Adds gravity and contact impulses to the velocities,
-    // stores impulses in the points of the manifolds, and the correction of overlap in the bodies.
-    void solve(std::span<Body* const> bodies, std::span<const AnyManifold> manifolds, const Step& step,
+    // Takes the awake bodies in body order, all their contacts, and their joints, which were started. Adds gravity and
+    // the impulses of contacts and joints to the velocities, stores impulses in the points of the manifolds.
+    void solve(std::span<Body* const> bodies, std::span<const AnyManifold> manifolds, Joints& joints, const Step& step,
                fracture::Threads& threads);
     // In the order of manifolds and their points. Points on the ground are left out; GroundPoint holds their solution.
     [[nodiscard]] std::span<const Solved> solved() const { return solved_; }
@@ -82,27 +87,25 @@ class RowSolver {
     struct Touch {
         Side a, b; // a is never static
         glm::vec3 normal;
-        float distance, correction_part;        // m, limited as Solved::distance; part of the overlap to correct
-        float restitution, coefficient;         // e and mu
-        float normal_impulse, friction_impulse; // for warm starting
-        glm::vec3 tangent;                      // last direction of friction on a
-        bool odd;                               // whether its index in the manifold is odd
+        float distance;                 // m, limited as Solved::distance
+        float slop;                     // m
+        float restitution, coefficient; // e and mu
+        PointImpulse start;             // on a
     };
-    struct Made {
-        float speed;       // m/s, approach speed before the step's gravity
-        glm::vec3 tangent; // unit direction of friction on a
+    // The kinetic energy that impulses add to a component of bodies, J: with a share s of them, linear s + square s^2.
+    struct AddedEnergy {
+        double linear = 0.0, square = 0.0;
+        double allowed = 0.0;
+        // The greatest share, at most 1, that adds no more than is allowed.
+        [[nodiscard]] float share() const;
     };
-    // Split-impulse rows of contacts with overlap: between moving bodies, and against static ones.
-    struct Deep {
-        std::vector<Row> between, one_sided;
-    };
-
     static GroundStep ground_step(const Step& step);
-    static SolverBody solver_body(const Body& body, const Step& step);
-    void take_bodies(std::span<Body* const> bodies, const Step& step, fracture::Threads& threads);
+    static SolverBody solver_body(const Body& body);
+    void take_bodies(std::span<Body* const> bodies, fracture::Threads& threads);
     // Assigns each point its place in the order of rows: by bundle, in each bundle by index in the manifold; points
     // against static bodies last.
     void order(std::span<const AnyManifold> manifolds, fracture::Threads& threads);
+    void share_points();
     void take_lone(std::span<const AnyManifold> manifolds);
     void order_static();
     [[nodiscard]] Sides sides_of(const AnyManifold& manifold) const;
@@ -111,33 +114,46 @@ class RowSolver {
     void make_rows(Manifold& manifold, std::span<const uint32_t> places, std::span<Solved> solved, const Step& step);
     void make_rows(GroundManifold& ground, std::span<const uint32_t> places, const Step& step);
     void make_rows_of_resting(GroundManifold& ground, std::span<const uint32_t> places, const Step& step);
-    // Builds the row of one contact and of its friction.
-    Made make_row(const Touch& touch, size_t place, const Step& step);
+    // Builds the rows of one contact; returns the approach speed before the step's gravity, m/s.
+    float make_row(const Touch& touch, size_t place, const Step& step);
     static Row row_along(const glm::vec3& normal, const Side& a, const Side& b);
+    static FrictionRows friction_of(const Touch& touch);
     [[nodiscard]] Side side_of(const Body& body, const glm::vec3& position) const;
 
-    // dv += M^-1 J^T impulse; apply_first() for side a only.
-    static void apply_first(const Row& row, float impulse, VelocityChange* changes);
+    // dv += M^-1 J^T impulse
     static void apply(const Row& row, float impulse, VelocityChange* changes);
-    // One iteration (row.h); solve_one_sided() for a row whose b is static, with lambda >= 0.
-    static void solve_row(Row& row, VelocityChange* changes, float low, float high);
-    static void solve_one_sided(Row& row, VelocityChange* changes);
+    static void apply(const FrictionRows& rows, const float* impulse, VelocityChange* changes);
+    // One iteration (row.h).
+    static void solve_row(Row& row, VelocityChange* changes);
+    static float along(const Row& row, const VelocityChange* changes);
     static void solve_contacts(std::span<Row> rows, VelocityChange* changes);
     void solve_friction(size_t begin, size_t end);
-    // Warm starting and all sweeps over a bundle's contacts and friction.
-    void sweep(uint32_t bundle, int count);
-    void take_deep();
-    void correct_overlap(Deep& deep, int sweeps);
+    // All substeps of a bundle.
+    void solve_bundle(uint32_t bundle, const Substeps& substeps);
+    void sweep(uint32_t bundle, int count, Solution solution);
+    void start(uint32_t bundle, const Substeps& substeps);
+    void spread(uint32_t bundle);
+    void limit_energy(uint32_t bundle, const Substeps& substeps);
+    void move(uint32_t bundle, float seconds);
+    void start_second(uint32_t bundle);
+    [[nodiscard]] bool start_bounce(uint32_t bundle);
+    void finish(uint32_t bundle);
+    [[nodiscard]] std::span<Row> contacts_of(uint32_t bundle);
+    [[nodiscard]] std::span<const uint32_t> bodies_of(uint32_t bundle) const;
+    void list_bodies();
     void solve_rows(const Step& step, fracture::Threads& threads);
-    void store(std::span<Body* const> bodies, std::span<const AnyManifold> manifolds, float seconds,
+    void store(std::span<Body* const> bodies, std::span<const AnyManifold> manifolds, const Step& step,
                fracture::Threads& threads);
-    void store(Body& body, size_t index, float seconds) const;
+    void store(Body& body, size_t index, const Step& step) const;
     void store(Solved& contact, size_t place) const;
     void store(GroundPoint& contact, size_t place) const;
     [[nodiscard]] StaticRows::Impulses impulses(size_t place) const;
+    // The friction impulse of a point along the tangents of its normal.
+    static glm::vec3 friction_along(const Tangents& tangents, const std::array<float, 2>& impulse);
     [[nodiscard]] std::span<const uint32_t> places_of(size_t manifold) const;
     [[nodiscard]] std::span<Solved> solved_of(size_t manifold);
 
+    Joints* joints_ = nullptr; // of the step
     std::vector<SolverBody> bodies_;
     std::vector<float> inverse_masses_; // of the solver bodies
     Bundles bundles_;                   // of solver bodies
@@ -147,18 +163,25 @@ class RowSolver {
     std::vector<uint32_t> keys_, starts_, places_; // of order()
     std::vector<Sides> sides_;                     // by manifold
     std::vector<uint32_t> firsts_,
-        solved_firsts_;                     // by manifold: its first point in places_ and in solved_
-    std::vector<Row> contacts_, frictions_; // by place, of points between moving bodies
-    std::vector<float> coefficients_;       // mu, by place
-    std::vector<float> corrections_;        // by place: bias of the split impulse, N s; 0 without overlap
-    StaticRows static_rows_;                // of points against static bodies
-    std::vector<uint32_t> static_bodies_;   // by static row: its solver body
-    LoneBodies lone_;                       // bodies without rows in the members above
+        solved_firsts_;                   // by manifold: its first point in places_ and in solved_
+    std::vector<Row> contacts_;           // by place, of points between moving bodies
+    std::vector<FrictionRows> frictions_; // parallel to them
+    std::vector<float> coefficients_;     // mu, by place
+    StaticRows static_rows_;              // of points against static bodies
+    std::vector<uint32_t> static_bodies_; // by static row: its solver body
+    LoneBodies lone_;                     // bodies without rows in the members above
     uint32_t points_of_lone_ = 0;
-    std::vector<uint32_t> touched_;                          // scratch, by solver body: number of its manifolds
-    std::vector<Deep> deep_;                                 // by bundle; last: of bodies without a bundle
-    size_t first_static_ = 0;                                // places from here on belong to static rows
-    std::vector<VelocityChange> changes_, position_changes_; // dv of velocities and of split impulses
+    std::vector<uint32_t> touched_; // scratch, by solver body: number of its manifolds
+    std::vector<uint32_t> points_;  // scratch, by solver body: number of its contact points
+    size_t first_static_ = 0;       // places from here on belong to static rows
+    std::vector<VelocityChange> changes_;
+    std::vector<Displacement> moved_;
+    std::vector<VelocityChange> free_changes_;            // dv after the gravity of the substep, without its impulses
+    std::vector<Descent> descents_;                       // by component
+    std::vector<AddedEnergy> added_;                      // by component
+    std::vector<uint8_t> jointed_;                        // by solver body: 1 for a body with joints
+    std::vector<uint8_t> acted_;                          // by solver body, as in StaticRows::State
+    std::vector<uint32_t> bundle_bodies_, bundle_begins_; // solver bodies by bundle, and the first of each
 };
 
 } // namespace brittle::physics

@@ -32,7 +32,7 @@ void Siblings::check(const SweptPairs& pairs, std::optional<float> ground_height
     for (const Body* body : bodies_) {
         if (!first || first->siblings != body->siblings) first = firsts.try_emplace(body->siblings, body).first->second;
         const bool low = ground_height && body->proxy->bounds.low.y <= *ground_height;
-        if (low || !move_as_one(*first, *body)) apart_.push_back(body->siblings);
+        if (low || body->joints > 0 || !move_as_one(*first, *body)) apart_.push_back(body->siblings);
         min_rank = std::min(min_rank, body->proxy->rank);
     }
     for (const uint32_t index : pairs.set()) {
@@ -48,11 +48,6 @@ void Siblings::check(const SweptPairs& pairs, std::optional<float> ground_height
         body->siblings = 0;
         return true;
     });
-}
-
-void Siblings::forget() {
-    for (Body* body : bodies_) body->siblings = 0;
-    bodies_.clear();
 }
 
 } // namespace brittle::physics

@@ -1,11 +1,12 @@
-// Siblings: pieces of one cut that are added together and move as one rigid body in their first step.
+// Siblings: pieces of one cut that are added together and move as one rigid body.
 //
 // Siblings do not overlap: BodyDesc::siblings is a promise. While they move as one and touch nothing else, no force
-// acts between them, and the narrow phase skips their pairs until two of them have moved against each other. A thousand
-// new pieces in the air then cost their first step a fifth of a full search. If a sibling reaches the ground or another
-// body, or siblings move apart or into each other, all pairs of that cut are searched like others.
+// acts between them, and the narrow phase skips their pairs. A thousand new pieces in the air then cost their first
+// step a fifth of a full search. In the step in which a sibling may reach the ground or another body, and as soon as
+// siblings move against each other, all pairs of that cut are searched like others: a piece that is stopped stops those
+// behind it in the same step.
 //
-// Body::siblings holds the number of the cut during the body's first step, and 0 afterwards.
+// Body::siblings holds the number of the cut as long as its pieces move as one, and 0 afterwards.
 #pragma once
 
 #include <cstdint>
@@ -24,18 +25,16 @@ class Siblings {
         if (body.siblings != 0) bodies_.push_back(&body);
     }
     void remove(const Body& body);
-    // Clears the number of the cuts whose pieces do not move as one. Call it before the narrow phase. Without ground,
-    // the height is empty.
+    // Clears the number of the cuts whose pieces do not move as one. Call it before the narrow phase of each step.
+    // Without ground, the height is empty.
     void check(const SweptPairs& pairs, std::optional<float> ground_height);
-    // Clears all numbers. Call it after the narrow phase.
-    void forget();
 
     [[nodiscard]] static bool fly_as_one(const Body& a, const Body& b) {
         return a.siblings != 0 && a.siblings == b.siblings;
     }
 
   private:
-    std::vector<Body*> bodies_;   // siblings that have not been in a step
+    std::vector<Body*> bodies_;   // siblings that move as one
     std::vector<uint32_t> apart_; // numbers of cuts whose pieces do not move as one
 };
 

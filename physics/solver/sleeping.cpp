@@ -35,6 +35,10 @@ constexpr float patience = 1.5f;
 constexpr float sunk_depth = 1e-3f;
 constexpr float sunk_factor = 8.0f;
 
+// Friction below this part of its bound holds. A body that no contact holds slides if it is faster than this part of
+// the sleeping speed: it gains speed on a slope that is steeper than the angle of repose.
+constexpr float holding_part = 0.98f, sliding_part = 0.05f;
+
 // Sets a flag that several threads may set.
 void note(bool& fact) {
     std::atomic_ref(fact).store(true, std::memory_order_relaxed);
@@ -47,6 +51,19 @@ float angle_between(const glm::quat& a, const glm::quat& b) {
     };
     const float cosine = std::abs(dot(a, b)) / std::sqrt(dot(a, a) * dot(b, b));
     return std::acos(std::min(cosine, 1.0f)) * 2.0f;
+}
+
+struct Hold {
+    bool loaded = false, holds = false; // as in Touching
+};
+// Sums the impulses of a manifold's points.
+Hold hold_of(const auto& points, float coefficient) {
+    float normal = 0.0f, friction = 0.0f;
+    for (const auto& point : points) {
+        normal += point.last.normal;
+        friction += glm::length(point.last.friction);
+    }
+    return {normal > 0.0f, friction < holding_part * coefficient * normal};
 }
 
 bool is_ready(const Body& body) {
@@ -74,13 +91,13 @@ void Sleeping::find_contact_states() {
     };
     for_each_contact(islands_.manifolds(), threads_, [&](const AnyManifold& manifold) {
         if (const GroundManifold* const ground = manifold.ground) {
-            const bool is_loaded = std::ranges::any_of(
-                ground->points(), [](const GroundPoint& p) { return p.warm_normal_impulse() > 0.0f; });
+            const bool is_loaded =
+                std::ranges::any_of(ground->points(), [](const GroundPoint& p) { return p.last.normal > 0.0f; });
             note_contacts(manifold.a, (ground->count + Manifold::max_points - 1) / Manifold::max_points, is_loaded);
             return;
         }
         const bool is_loaded = std::ranges::any_of(std::as_const(*manifold.between).points(),
-                                                   [](const ContactPoint& p) { return p.normal_impulse > 0.0f; });
+                                                   [](const ContactPoint& p) { return p.last.normal > 0.0f; });
         const auto note_other = [&](uint32_t body, uint32_t other, bool other_moves) {
             ContactState& state = note_contacts(body, 1, is_loaded);
             if (!other_moves) return;
@@ -95,8 +112,8 @@ void Sleeping::find_contact_states() {
 void Sleeping::update_resting(Body& body, float seconds) const {
     const ContactState& state = contact_states_[body.index];
     const bool lost_contacts = state.contact_groups < body.resting_on;
-    const bool kept_awake =
-        contact_states_[islands_.of(body)].busy || state.disturbed || lost_contacts || !is_ready(body);
+    const bool kept_awake = contact_states_[islands_.of(body)].busy || state.disturbed || lost_contacts
+                            || !is_ready(body) || body.joints > 0;
     // Excludes falling bodies: they are fast after their first step, and have no contact impulse.
     const bool carried = body.resting || (state.is_loaded && speed_of(body) <= 1.0f);
     body.undisturbed_seconds = kept_awake ? 0.0f : body.undisturbed_seconds + seconds;
@@ -109,7 +126,7 @@ void Sleeping::update_resting(Body& body, float seconds) const {
 void Sleeping::settle(float seconds) {
     find_touching(seconds);
     for_each_body(islands_.awake(), threads_, [&](Body& body) {
-        body.touching = touching_[body.index].any;
+        body.touching = touching_[body.index].any || body.joints > 0;
         body.sunk = touching_[body.index].sunk;
         count_still(body, seconds);
     });
@@ -129,15 +146,21 @@ void Sleeping::settle(float seconds) {
 void Sleeping::find_touching(float seconds) {
     touching_.assign(bodies_.size(), {});
     for_each_contact(islands_.manifolds(), threads_, [&](const AnyManifold& manifold) {
-        note(touching_[manifold.a].any);
-        if (!manifold.ground) return note(touching_[manifold.b].any);
+        const Hold hold = manifold.ground
+                              ? hold_of(std::as_const(*manifold.ground).points(), manifold.ground->friction)
+                              : hold_of(std::as_const(*manifold.between).points(), manifold.between->friction());
+        const auto note_touch = [&](Touching& of) {
+            note(of.any);
+            if (hold.loaded) note(of.loaded);
+            if (hold.holds) note(of.holds);
+        };
+        note_touch(touching_[manifold.a]);
+        if (!manifold.ground) return note_touch(touching_[manifold.b]);
         const Body& body = *bodies_[manifold.a];
-        // Depth in the pose in which the body would sleep: after the motion of the step, which may have turned a corner
-        // down, and the pending correction of overlap.
+        // Depth in the pose in which the body would sleep: after the motion of the step.
         for (const GroundPoint& point : manifold.ground->points()) {
             const glm::vec3 arm = point.position - body.rewind_frame.origin;
-            float rise = body.velocity.at(arm).y * seconds;
-            if (body.has_correction) rise += (body.correction * arm - arm).y;
+            const float rise = body.motion.at(arm).y * seconds;
             if (point.distance + rise < -sunk_depth) note(touching_[manifold.a].sunk);
         }
     });
@@ -145,9 +168,12 @@ void Sleeping::find_touching(float seconds) {
 
 void Sleeping::count_still(Body& body, float seconds) const {
     const float speed = speed_of(body);
-    const bool in_place = rocks_in_place(body, seconds);
+    const Touching& touching = touching_[body.index];
+    const bool slides = touching.loaded && !touching.holds
+                        && glm::length(body.velocity.linear) > sliding_part * settings_.sleep_linear_speed;
+    const bool in_place = rocks_in_place(body, seconds) && !slides;
     // A tremble counts the time down instead of resetting it.
-    if (!in_place && (!body.touching || speed > tremble_factor))
+    if (!in_place && (!body.touching || slides || speed > tremble_factor))
         body.still_seconds = 0.0f;
     else
         body.still_seconds = std::clamp(body.still_seconds + (in_place || speed < 1.0f ? seconds : -seconds), 0.0f,

@@ -3,10 +3,12 @@
 // - Ready to sleep: a body that touches something and has been slow (below both sleeping speeds) for
 //   WorldSettings::sleep_seconds. During the second half of that time its velocity is damped. A short tremble reduces
 //   the time instead of resetting it; a body that rocks in place waits longer, at any speed; a body that is too deep in
-//   the ground waits until it has risen. An island sleeps once all of its bodies are ready (islands.h).
+//   the ground waits until it has risen; a body that slides, all of its friction at the bound, does not count as slow.
+//   An island sleeps once all of its bodies are ready (islands.h).
 // - Calm island: in a large heap some light piece between heavy ones always trembles, because the solver's forces on it
 //   are exact to a few per cent only. If nine tenths of an island's mass are still and nothing is faster than a
 //   tremble, the other bodies count as still after twice the time.
+// - A body with a joint counts as one that touches something, and never rests in an awake island.
 // - Resting: a ready body inside an island that is still awake gets infinite mass until something disturbs it: a body
 //   that it touches moves and is not ready, or is gone. Without resting bodies a large heap never sleeps: the solver
 //   leaves every body some creep, and every few seconds a piece that has crept far enough falls and keeps all others
@@ -47,7 +49,8 @@ class Sleeping {
         bool busy = false;           // by island: none of its bodies may rest
     };
     struct Touching {
-        bool any = false, sunk = false; // Body::touching and Body::sunk
+        bool any = false, sunk = false;     // Body::touching and Body::sunk
+        bool loaded = false, holds = false; // a contact with an impulse; one whose friction is below its bound
     };
     struct Calm {
         float mass = 0.0f, still_mass = 0.0f; // kg

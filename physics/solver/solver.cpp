@@ -146,7 +146,8 @@ std::shared_ptr<SharedHull> Solver::shared_hull(const std::shared_ptr<const Coll
     std::vector<glm::vec3> points;
     points.reserve(hull->points.size());
     for (const glm::vec3& point : hull->points) points.push_back(point);
-    auto made = std::make_shared<SharedHull>(SharedHull{hull, {std::move(points), hull->margin}, {}});
+    HullFaces faces = hull->faces.count() == 0 ? hull_faces(points) : hull->faces;
+    auto made = std::make_shared<SharedHull>(SharedHull{hull, {std::move(points), hull->margin, std::move(faces)}, {}});
     shared_hulls_.emplace(hull.get(), made);
     return made;
 }
@@ -169,6 +170,38 @@ void Solver::remove(size_t index) {
     contacts_.forget_sleeping();
     bodies_.erase(bodies_.begin() + static_cast<std::ptrdiff_t>(index));
     for (size_t i = index; i < bodies_.size(); ++i) bodies_[i]->index = static_cast<uint32_t>(i);
+}
+
+void Solver::add_joint(JointId id, const Joint& joint, const JointBodies& bodies) {
+    const auto body_of = [&](size_t index) { return index == JointBodies::none ? nullptr : bodies_[index].get(); };
+    SolverJoint made{.id = id,
+                     .kind = joint.kind,
+                     .a = body_of(bodies.a),
+                     .b = body_of(bodies.b),
+                     .anchor_a = joint.a.anchor,
+                     .anchor_b = joint.b.anchor,
+                     .axis_a = joint.a.axis,
+                     .axis_b = joint.b.axis,
+                     .min_length = joint.min_length,
+                     .max_length = joint.max_length,
+                     .max_force = joint.max_force,
+                     .collide = joint.collide};
+    const auto to_frame = [](const Body* body, glm::vec3& v) {
+        if (body) v = glm::conjugate(body->to_principal) * v;
+    };
+    to_frame(made.a, made.anchor_a);
+    to_frame(made.a, made.axis_a);
+    to_frame(made.b, made.anchor_b);
+    to_frame(made.b, made.axis_b);
+    joints_.add(made);
+    for (Body* body : {made.a, made.b})
+        if (body) wake(*body);
+}
+
+void Solver::remove_joint(JointId id) {
+    const SolverJoint joint = joints_.remove(id);
+    for (Body* body : {joint.a, joint.b})
+        if (body) wake(*body);
 }
 
 void Solver::wake(Body& body) {
@@ -194,7 +227,6 @@ void Solver::step() {
                    .ground_friction = settings_.ground_friction,
                    .ground_restitution = settings_.ground_restitution},
                   threads_);
-    siblings_.forget();
     find_islands();
     solve_contacts();
     move_bodies();
@@ -210,7 +242,7 @@ void Solver::start_bodies() {
                             for (uint32_t i = begin; i < end; ++i) {
                                 prefetch_hulls(std::span(stepped_).subspan(i, end - i));
                                 Body& body = *stepped_[i];
-                                body.start_step();
+                                body.step_start = body.frame;
                                 body.velocity.linear *= linear_kept;
                                 body.velocity.angular *= angular_kept;
                                 set_bounds(body);
@@ -255,9 +287,9 @@ void Solver::brake_by_air() {
 }
 
 void Solver::find_islands() {
-    islands_.find(bodies_, stepped_, broadphase_, threads_);
+    islands_.find(bodies_, stepped_, joints_.pairs(), broadphase_, threads_);
     for (Body* body : islands_.woken()) {
-        body->start_step();
+        body->step_start = body->frame;
         stepped_.push_back(body);
     }
     for (Body* body : islands_.fallen_asleep()) {
@@ -273,16 +305,20 @@ void Solver::solve_contacts() {
         body.unhindered = body.velocity;
         if (!body.resting) body.unhindered.linear += fall;
         body.moving_seconds = settings_.step;
+        body.stopped_by = {};
     });
-    contacts_.solve(islands_.awake(), islands_.manifolds(), threads_);
+    joints_.start({settings_.step, settings_.step / static_cast<float>(settings_.solver_substeps)}, bodies_.size());
+    contacts_.solve(islands_.awake(), islands_.manifolds(), joints_, threads_);
 }
 
 void Solver::move_bodies() {
     for (const ContinuousCollision::Stop& stop : continuous_collision_.find(islands_.awake(), settings_.step)) {
         stop.body->moving_seconds = stop.seconds;
+        stop.body->stopped_by = stop.by;
         lose_fall(*stop.body, settings_.step - stop.seconds);
     }
-    for_each_body(islands_.awake(), threads_, [](Body& body) { move_on(body, body.moving_seconds); });
+    for_each_body(islands_.awake(), threads_, [](Body& body) { move(body, body.moving_seconds); });
+    joints_.correct(threads_);
 }
 
 // A body that stops for the rest of a step gains no speed of fall in that time, because it does not fall. A body that a
@@ -294,13 +330,26 @@ void Solver::lose_fall(Body& body, float seconds) const {
     body.unhindered.linear -= fallen; // rewind() gives it back without
 }
 
-void Solver::move_on(Body& body, float seconds) {
+// Moves the body with its velocity of motion. The velocity after its bounce keeps its angular momentum while the
+// orientation changes.
+void Solver::move(Body& body, float seconds) {
     body.rewind_frame = body.frame;
     body.rewind_seconds = seconds;
-    const Spin spin = free_spin({glm::dquat(rotation_of(body.frame.basis)), glm::dvec3(body.velocity.angular)},
-                                body.moments, seconds);
-    body.set_frame({matrix_of(glm::quat(spin.orientation)), body.frame.origin + body.velocity.linear * seconds});
-    body.velocity.angular = glm::vec3(spin.velocity);
+    const Spin spin =
+        free_spin({glm::dquat(rotation_of(body.frame.basis)), glm::dvec3(body.motion.angular)}, body.moments, seconds);
+    const bool bounced = body.motion.angular != body.velocity.angular;
+    glm::dvec3 momentum(0.0);
+    if (bounced) {
+        const glm::dmat3 axes(body.frame.basis);
+        momentum = axes * (body.moments * (glm::dvec3(body.velocity.angular) * axes));
+    }
+    body.set_frame({matrix_of(glm::quat(spin.orientation)), body.frame.origin + body.motion.linear * seconds});
+    if (bounced) {
+        const glm::dmat3 axes(body.frame.basis);
+        body.velocity.angular = glm::vec3(axes * ((momentum * axes) / body.moments));
+    } else {
+        body.velocity.angular = glm::vec3(spin.velocity);
+    }
     body.solved = body.velocity;
 }
 
@@ -351,6 +400,12 @@ float Solver::rewind(size_t index) {
     return body.rewind_seconds;
 }
 
+void Solver::move_on(size_t index, float seconds) {
+    Body& body = *bodies_[index];
+    body.motion = body.velocity;
+    move(body, seconds);
+}
+
 // 1/m + n . (I^-1 (r x n)) x r
 float Solver::response(size_t index, const glm::vec3& point, const glm::vec3& direction) const {
     const Body& body = *bodies_[index];
@@ -396,6 +451,13 @@ void Solver::debug_lines(std::vector<DebugLine>& out, const DebugDraw& draw) {
         }
         for (const CompoundShape::Child& child : body.compound->children())
             draw_hull(child.shape(), child.hull->edges, body.frame * child.frame, colour);
+    }
+    for (const auto& joint : joints_.all()) {
+        if (!draw.joints) break;
+        const auto point = [](const Body* body, const glm::vec3& at) { return body ? body->frame * at : at; };
+        const glm::vec3 a = point(joint->a, joint->anchor_a), b = point(joint->b, joint->anchor_b);
+        const glm::vec3 axis = joint->a ? joint->a->frame.basis * joint->axis_a : joint->axis_a;
+        out.push_back({a, joint->kind == JointKind::hinge ? a + axis * joint_axis_length : b, joint_colour});
     }
     if (!draw.contacts) return;
     std::vector<AnyManifold> manifolds;

@@ -1,14 +1,14 @@
 // Brittle's rigid-body engine: contacts of convex hulls, solved by projected Gauss-Seidel.
 //
 // One step, in this order (Solver::step()):
-//  1. bodies: correction of the overlap that the last step found; damping; bounds of the path ahead
+//  1. bodies: damping; bounds of the path ahead
 //  2. broadphase (sweep_broadphase.h), siblings (siblings.h), air drag (air_drag.h)
 //  3. narrow phase (narrow_phase.h): contacts of hulls (hull_contact.h), with the ground (ground_contact.h), of
 //     compounds
 //  4. islands (islands.h), which wake and fall asleep; resting bodies (sleeping.h)
-//  5. contacts and friction (contact_solver.h, row_solver.h)
-//  6. continuous collision (continuous_collision.h), then all bodies move; free rotation conserves energy and angular
-//     momentum (free_rotation.h)
+//  5. joints, contacts and friction, in substeps (contact_solver.h, row_solver.h, joints.h)
+//  6. continuous collision (continuous_collision.h), then all bodies move, and joints close; free rotation conserves
+//     energy and angular momentum (free_rotation.h)
 //  7. sleeping (sleeping.h)
 //
 // Metres, kilograms, seconds. A step works on several threads; results do not depend on their number.
@@ -23,10 +23,12 @@
 
 #include "fracture/base/threads.h"
 #include "physics/solver/body.h"
+#include "physics/solver/body_cast.h"
 #include "physics/solver/compound_shape.h"
 #include "physics/solver/contact_solver.h"
 #include "physics/solver/continuous_collision.h"
 #include "physics/solver/islands.h"
+#include "physics/solver/joints.h"
 #include "physics/solver/siblings.h"
 #include "physics/solver/sleeping.h"
 #include "physics/solver/sweep_broadphase.h"
@@ -57,12 +59,22 @@ class Solver final : public Engine {
         return mechanics_of(*bodies_[body], settings_.gravity);
     }
     [[nodiscard]] float response(size_t body, const glm::vec3& point, const glm::vec3& direction) const override;
+    [[nodiscard]] BodyId stopped_by(size_t body) const override { return bodies_[body]->stopped_by; }
+    [[nodiscard]] glm::mat3 inverse_inertia(size_t body) const override { return bodies_[body]->inverse_inertia; }
 
     void wake(size_t body) override { wake(*bodies_[body]); }
     void apply_impulse(size_t body, const glm::vec3& impulse, const glm::vec3& point) override;
     void set_velocity(size_t body, const glm::vec3& linear, const glm::vec3& angular) override;
     float rewind(size_t body) override;
-    void move_on(size_t body, float seconds) override { move_on(*bodies_[body], seconds); }
+    void move_on(size_t body, float seconds) override;
+    [[nodiscard]] std::vector<CastHit> cast(size_t body, size_t target, float seconds) const override {
+        return cast_body(*bodies_[body], *bodies_[target], seconds);
+    }
+
+    void add_joint(JointId id, const Joint& joint, const JointBodies& bodies) override;
+    void remove_joint(JointId id) override;
+    [[nodiscard]] float joint_force(JointId id) const override { return joints_.at(id).force; }
+    [[nodiscard]] std::span<const JointId> broken_joints() const override { return joints_.broken(); }
 
     [[nodiscard]] std::span<const Contact> contacts() override { return contacts_.contacts(); }
     [[nodiscard]] std::span<const Contact> solved_contacts() override { return contacts_.solved_contacts(); }
@@ -84,7 +96,7 @@ class Solver final : public Engine {
     void find_islands();
     void solve_contacts();
     void move_bodies();
-    static void move_on(Body& body, float seconds);
+    static void move(Body& body, float seconds);
     void lose_fall(Body& body, float seconds) const;
     void note_moved();
 
@@ -98,6 +110,7 @@ class Solver final : public Engine {
     size_t max_shared_hulls_ = 64; // beyond that, hulls without a body are dropped
     SweepBroadphase broadphase_{threads_};
     Siblings siblings_;
+    Joints joints_;
     Islands islands_;
     ContactSolver contacts_{settings_, broadphase_};
     ContinuousCollision continuous_collision_{bodies_, broadphase_, threads_};

@@ -15,7 +15,7 @@ struct BodyForm {
     BodyForm& operator=(const BodyForm&) = delete;
     virtual ~BodyForm() = default;
 
-    CollisionHull hull{};    // relative to the centre of mass, in body axes; without its cross section
+    CollisionHull hull{};    // relative to the centre of mass, in body axes; without cross section and faces
     float mass = 0.0f;       // kg
     glm::mat3 inertia{1.0f}; // kg m^2, about the centre of mass in body axes
     bool fixed = false;

@@ -15,6 +15,7 @@
 
 #include <glm/vec3.hpp>
 
+#include "physics/world/joint.h"
 #include "physics/world/state_hash.h"
 #include "physics/world/world.h"
 
@@ -60,8 +61,11 @@ class Engine {
     [[nodiscard]] virtual bool debris(size_t body) const = 0;
     [[nodiscard]] virtual bool awake(size_t body) const = 0;
     [[nodiscard]] virtual Mechanics mechanics(size_t body) const = 0;
-    // As World::response(), for a body that is not fixed.
+    // As World::stopped_by(), for a body that is not fixed.
+    [[nodiscard]] virtual BodyId stopped_by(size_t body) const = 0;
+    // As World::response() and World::inverse_inertia(), for a body that is not fixed.
     [[nodiscard]] virtual float response(size_t body, const glm::vec3& point, const glm::vec3& direction) const = 0;
+    [[nodiscard]] virtual glm::mat3 inverse_inertia(size_t body) const = 0;
 
     // As the functions of World with these names, for bodies that are not fixed.
     virtual void wake(size_t body) = 0;
@@ -69,6 +73,20 @@ class Engine {
     virtual void set_velocity(size_t body, const glm::vec3& linear, const glm::vec3& angular) = 0;
     virtual float rewind(size_t body) = 0;
     virtual void move_on(size_t body, float seconds) = 0;
+    [[nodiscard]] virtual std::vector<CastHit> cast(size_t body, size_t target, float seconds) const = 0;
+
+    // The bodies of a joint, by index; `none` for the world.
+    struct JointBodies {
+        static constexpr size_t none = SIZE_MAX;
+        size_t a = none, b = none;
+    };
+    // Adds a joint that World has checked, and wakes its bodies. At least one of them is given.
+    virtual void add_joint(JointId id, const Joint& joint, const JointBodies& bodies) = 0;
+    // Removes a joint and wakes its bodies. World removes a body's joints before the body.
+    virtual void remove_joint(JointId id) = 0;
+    [[nodiscard]] virtual float joint_force(JointId id) const = 0;
+    // The joints that the last step broke, ascending; the engine no longer has them.
+    [[nodiscard]] virtual std::span<const JointId> broken_joints() const = 0;
 
     [[nodiscard]] virtual std::span<const Contact> contacts() = 0;
     [[nodiscard]] virtual std::span<const Contact> solved_contacts() = 0;
@@ -87,7 +105,9 @@ class Engine {
 // m; contact points with a larger gap do not count as touching (World::contact_count(), debug lines).
 inline constexpr float touching_distance = 1e-3f;
 
-// Colour and lines of World::debug_lines().
+// Colours and lines of World::debug_lines().
+inline constexpr glm::vec3 joint_colour{0.1f, 0.9f, 0.2f};
+inline constexpr float joint_axis_length = 0.1f; // m
 [[nodiscard]] inline glm::vec3 hull_colour(bool awake) {
     return awake ? glm::vec3(1.0f, 0.1f, 0.1f) : glm::vec3(0.35f, 0.05f, 0.05f);
 }

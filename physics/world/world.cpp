@@ -9,6 +9,7 @@
 #include <glm/common.hpp>
 
 #include "physics/world/engine.h"
+#include "physics/world/joint.h"
 #include "physics/world/state_hash.h"
 #include "physics/world/world_check.h"
 
@@ -26,6 +27,9 @@ struct World::Impl {
     uint64_t removed = 0;
     uint64_t steps = 0;
     double pending_seconds = 0.0;
+    std::vector<JointId> joint_ids; // ascending
+    std::vector<Joint> joints;      // by joint_ids
+    uint32_t next_joint = 0;        // only grows
 
     explicit Impl(const WorldSettings& given) : settings(given), engine(make_engine(given)) {}
 
@@ -38,6 +42,42 @@ struct World::Impl {
         const std::optional<size_t> index = find(id);
         assert(index && "no such body in this world");
         return *index;
+    }
+    [[nodiscard]] std::optional<size_t> find(JointId id) const {
+        const auto at = std::ranges::lower_bound(joint_ids, id);
+        return at != joint_ids.end() && *at == id ? std::optional(static_cast<size_t>(at - joint_ids.begin()))
+                                                  : std::nullopt;
+    }
+    [[nodiscard]] const Joint& joint(JointId id) const {
+        const std::optional<size_t> index = find(id);
+        assert(index && "no such joint in this world");
+        return joints[*index];
+    }
+    void insert(JointId id, const Joint& joint) {
+        const auto at = std::ranges::lower_bound(joint_ids, id) - joint_ids.begin();
+        joint_ids.insert(joint_ids.begin() + at, id);
+        joints.insert(joints.begin() + at, joint);
+        const auto body = [this](const JointSide& side) {
+            return side.body == BodyId{} ? Engine::JointBodies::none : index_of(side.body);
+        };
+        engine->add_joint(id, joint, {body(joint.a), body(joint.b)});
+    }
+    void erase(size_t joint) {
+        joint_ids.erase(joint_ids.begin() + static_cast<std::ptrdiff_t>(joint));
+        joints.erase(joints.begin() + static_cast<std::ptrdiff_t>(joint));
+    }
+    [[nodiscard]] Pose frame_of(const JointSide& side) const {
+        return side.body == BodyId{} ? Pose{} : engine->pose(index_of(side.body));
+    }
+    [[nodiscard]] glm::vec3 anchor_of(const JointSide& side) const {
+        const Pose frame = frame_of(side);
+        return frame.position + frame.orientation * side.anchor;
+    }
+    // The side of a joint at a point and along an axis of the world.
+    [[nodiscard]] JointSide side_of(BodyId body, const glm::vec3& anchor, const glm::vec3& axis) const {
+        const Pose frame = frame_of({.body = body});
+        const glm::quat to_body = glm::conjugate(frame.orientation);
+        return {body, to_body * (anchor - frame.position), to_body * axis};
     }
     [[nodiscard]] Pose interpolated_pose(size_t body, float alpha) const {
         const Pose now = engine->pose(body);
@@ -61,6 +101,10 @@ struct World::Impl {
 
 std::ostream& operator<<(std::ostream& stream, BodyId id) {
     return id == BodyId{} ? stream << "body none" : stream << "body " << id.value;
+}
+
+std::ostream& operator<<(std::ostream& stream, JointId id) {
+    return id == JointId{} ? stream << "joint none" : stream << "joint " << id.value;
 }
 
 World::World(const WorldSettings& settings) {
@@ -96,12 +140,96 @@ uint32_t World::new_siblings() {
 bool World::remove_body(BodyId id) {
     const std::optional<size_t> index = impl_->find(id);
     if (!index) return false;
+    for (const JointId joint : joints_of(id)) remove_joint(joint);
     impl_->engine->remove(*index);
     const auto at = static_cast<std::ptrdiff_t>(*index);
     impl_->ids.erase(impl_->ids.begin() + at);
     impl_->moved_steps.erase(impl_->moved_steps.begin() + at);
     impl_->previous.erase(impl_->previous.begin() + at);
     ++impl_->removed;
+    return true;
+}
+
+Result<JointId> World::add_joint(const JointDesc& desc) {
+    const JointId id{impl_->next_joint};
+    const auto refused = [&](const std::string& fault) {
+        return fracture::Error{fracture::Status::invalid_setting, text(id, " cannot be added: ", fault)};
+    };
+    if (!contains(desc.a)) return refused(text("its a, ", desc.a, ", is not in the world"));
+    if (desc.b != BodyId{} && !contains(desc.b)) return refused(text("its b, ", desc.b, ", is not in the world"));
+    if (desc.a == desc.b) return refused(text("its a and b are both ", desc.a, "; leave b out for the world"));
+    if (const std::string fault = fault_of(desc); !fault.empty()) return refused(fault);
+    const bool hinge = desc.kind == JointKind::hinge, distance = desc.kind == JointKind::distance;
+    const glm::vec3 axis = hinge ? glm::normalize(desc.axis) : glm::vec3(0.0f);
+    ++impl_->next_joint;
+    impl_->insert(id, {.kind = desc.kind,
+                       .a = impl_->side_of(desc.a, desc.anchor_a, axis),
+                       .b = impl_->side_of(desc.b, distance ? desc.anchor_b : desc.anchor_a, axis),
+                       .min_length = desc.min_length,
+                       .max_length = desc.max_length,
+                       .max_force = desc.max_force,
+                       .collide = desc.collide});
+    return id;
+}
+
+bool World::remove_joint(JointId id) {
+    const std::optional<size_t> index = impl_->find(id);
+    if (!index) return false;
+    impl_->engine->remove_joint(id);
+    impl_->erase(*index);
+    return true;
+}
+
+bool World::has_joint(JointId id) const {
+    return impl_->find(id).has_value();
+}
+std::span<const JointId> World::joints() const {
+    return impl_->joint_ids;
+}
+
+std::vector<JointId> World::joints_of(BodyId body) const {
+    std::vector<JointId> found;
+    for (size_t i = 0; i < impl_->joints.size(); ++i)
+        if (impl_->joints[i].a.body == body || impl_->joints[i].b.body == body) found.push_back(impl_->joint_ids[i]);
+    return found;
+}
+
+const Joint& World::joint(JointId id) const {
+    return impl_->joint(id);
+}
+
+glm::vec3 World::joint_anchor(JointId id, bool second) const {
+    const Joint& joint = impl_->joint(id);
+    return impl_->anchor_of(second ? joint.b : joint.a);
+}
+
+float World::joint_force(JointId id) const {
+    assert(has_joint(id) && "no such joint in this world");
+    return impl_->engine->joint_force(id);
+}
+
+std::span<const JointId> World::broken_joints() const {
+    return impl_->engine->broken_joints();
+}
+
+std::vector<LooseJoint> World::take_joints(BodyId body) {
+    std::vector<LooseJoint> taken;
+    for (const JointId id : joints_of(body)) {
+        const Joint& joint = impl_->joint(id);
+        const bool second = joint.b.body == body;
+        const JointSide& side = second ? joint.b : joint.a;
+        taken.push_back({id, joint, second, impl_->anchor_of(side), impl_->frame_of(side).orientation * side.axis});
+        remove_joint(id);
+    }
+    return taken;
+}
+
+bool World::put_joint(const LooseJoint& loose, BodyId piece) {
+    Joint joint = loose.joint;
+    const BodyId other = (loose.second ? joint.a : joint.b).body;
+    if (!contains(piece) || other == piece || (other != BodyId{} && !contains(other))) return false;
+    (loose.second ? joint.b : joint.a) = impl_->side_of(piece, loose.anchor, loose.axis);
+    impl_->insert(loose.id, joint);
     return true;
 }
 
@@ -117,6 +245,8 @@ void World::clear(const WorldSettings& settings) {
     impl_->ids.clear();
     impl_->moved_steps.clear();
     impl_->previous.clear();
+    impl_->joint_ids.clear();
+    impl_->joints.clear();
     impl_->pending_seconds = 0.0;
     impl_->steps = 0;
 }
@@ -142,6 +272,7 @@ void World::step() {
                                impl_->previous); // poses of other bodies are unchanged
     impl_->engine->step();
     ++impl_->steps;
+    for (const JointId broken : impl_->engine->broken_joints()) impl_->erase(*impl_->find(broken));
     const std::span<const uint8_t> moved = impl_->engine->moved();
     for (size_t i = 0; i < moved.size(); ++i)
         if (moved[i] != 0) impl_->moved_steps[i] = impl_->steps;
@@ -221,6 +352,11 @@ float World::rewind(BodyId id) {
                                                    : 0.0f; // or 0 for a body added after the step
 }
 
+BodyId World::stopped_by(BodyId id) const {
+    const size_t body = impl_->index_of(id);
+    return impl_->engine->fixed(body) ? BodyId{} : impl_->engine->stopped_by(body);
+}
+
 void World::move_on(BodyId id, float seconds) {
     const size_t body = impl_->index_of(id);
     if (impl_->engine->fixed(body)) return;
@@ -232,9 +368,18 @@ void World::amend_contact(size_t index, const Contact& contact) {
     impl_->engine->amend_contact(index, contact);
 }
 
+std::vector<CastHit> World::cast(BodyId id, BodyId target, float seconds) const {
+    return impl_->engine->cast(impl_->index_of(id), impl_->index_of(target), seconds);
+}
+
 float World::response(BodyId id, glm::vec3 point, glm::vec3 direction) const {
     const size_t body = impl_->index_of(id);
     return impl_->engine->fixed(body) ? 0.0f : impl_->engine->response(body, point, direction);
+}
+
+glm::mat3 World::inverse_inertia(BodyId id) const {
+    const size_t body = impl_->index_of(id);
+    return impl_->engine->fixed(body) ? glm::mat3(0.0f) : impl_->engine->inverse_inertia(body);
 }
 
 std::span<const Contact> World::contacts() const {

@@ -73,8 +73,9 @@ struct WorldSettings {
     // cross section (solver/air_drag.h). Drag below a thirtieth of gravity is left out. 1000: water, but nothing
     // floats. 0: a vacuum.
     float air_density = 1.2f;
-    uint32_t solver_iterations =
-        20; // sweeps over all contacts; more make stiffer piles, ten more cost a tenth of a step
+    // Substeps in which a step solves its contacts (solver/row.h). More hold up taller stacks and larger ratios of mass;
+    // two more cost a twentieth of a step.
+    uint32_t solver_substeps = 8;
     // m/s, upper bound of the speed at which overlapping hulls are moved apart. Hulls of pieces that are not convex
     // overlap their neighbours from the start: a high speed drives them apart visibly, a low one lets hard impacts
     // overlap for longer. The correction leaves velocities as they are.
@@ -112,6 +113,18 @@ struct BodyId {
 };
 std::ostream& operator<<(std::ostream& stream, BodyId id);
 
+// The handle of a joint of one World; never reused within it. joint.h has the manual of joints.
+struct JointId {
+    uint32_t value = UINT32_MAX; // the default names no joint
+
+    friend auto operator<=>(JointId, JointId) = default;
+};
+std::ostream& operator<<(std::ostream& stream, JointId id);
+enum class JointKind : uint8_t { ball, hinge, distance };
+struct Joint;
+struct JointDesc;
+struct LooseJoint;
+
 struct Pose {
     glm::vec3 position{0.0f};                      // of the centre of mass, m
     glm::quat orientation{1.0f, 0.0f, 0.0f, 0.0f}; // w, x, y, z; unit
@@ -146,7 +159,7 @@ struct BodyDesc {
     glm::vec3 linear_velocity{0.0f};  // m/s, of the centre of mass
     glm::vec3 angular_velocity{0.0f}; // rad/s, world axes
     float friction = 0.6f;            // Coulomb coefficient; those of two bodies are multiplied
-    float restitution = 0.3f;         // 0: inelastic, 1: elastic; multiplied; fast impacts bounce less
+    float restitution = 0.3f;         // 0: inelastic, 1: elastic; multiplied
 };
 
 // Computes, on any thread, the part of a body that does not depend on its place and its world: most of the cost of
@@ -170,6 +183,16 @@ struct Contact {
     float speed = 0.0f; // m/s, approach along the normal before the step; negative: separation
 };
 
+// A hull that World::cast() meets.
+struct CastHit {
+    uint32_t part = 0;    // index into BodyDesc::parts of the target; 0 for one hull
+    float seconds = 0.0f; // from now until the two meet
+    // World, m, at the target's present pose: the middle of the part of the target's hull that lies in the way, across
+    // the motion.
+    glm::vec3 point{0.0f};
+    glm::vec3 direction{0.0f}; // unit, of the cast body's motion against the target
+};
+
 // Sums over one or all bodies, in double so that differences between steps are meaningful.
 struct Mechanics {
     double kinetic = 0.0;             // J, of translation and rotation
@@ -187,6 +210,7 @@ struct DebugLine {
 struct DebugDraw {
     bool hulls = true;     // red: awake, dark red: asleep
     bool contacts = false; // yellow: 5 cm along the normal at each contact point
+    bool joints = true;    // green: between the anchors, and 10 cm along the axis of a hinge
 };
 
 class World {
@@ -212,10 +236,32 @@ class World {
     Result<std::vector<BodyId>> add_bodies(size_t count, const std::function<BodyDesc(size_t)>& describe);
     // Returns a number for BodyDesc::siblings that was never returned before.
     uint32_t new_siblings();
-    // Removes a body and wakes the bodies that touch it; later bodies move up by one in body order. Returns false if
-    // the handle names no body.
+    // Removes a body and its joints, and wakes the bodies that touched it or were jointed to it; later bodies move up
+    // by one in body order. Returns false if the handle names no body.
     bool remove_body(BodyId id);
-    // Removes all bodies and the history: the world then behaves like a new one. Handles are not reused.
+
+    // Adds a joint and wakes its bodies. Fails (invalid_setting) on a body that does not exist or is on both sides,
+    // non-finite values, an axis without length, or lengths or a force out of range; the message names the field.
+    Result<JointId> add_joint(const JointDesc& desc);
+    // Removes a joint and wakes its bodies. Returns false if the handle names no joint.
+    bool remove_joint(JointId id);
+    [[nodiscard]] bool has_joint(JointId id) const;
+    [[nodiscard]] std::span<const JointId> joints() const; // ascending
+    [[nodiscard]] std::vector<JointId> joints_of(BodyId body) const;
+    [[nodiscard]] const Joint& joint(JointId id) const; // precondition: has_joint(id)
+    // The point of one side, m; b for `second`. Precondition: has_joint(id).
+    [[nodiscard]] glm::vec3 joint_anchor(JointId id, bool second) const;
+    // N, that the joint exerted in the last step, on average. Precondition: has_joint(id).
+    [[nodiscard]] float joint_force(JointId id) const;
+    // The joints that broke in the last step, ascending. They are removed.
+    [[nodiscard]] std::span<const JointId> broken_joints() const;
+    // For a body that its pieces are about to replace: removes its joints and returns them. put_joint() then adds each
+    // one again, with its handle, to the piece that holds the anchor; it returns false if the other body is gone too,
+    // or is the same.
+    [[nodiscard]] std::vector<LooseJoint> take_joints(BodyId body);
+    bool put_joint(const LooseJoint& loose, BodyId piece);
+
+    // Removes all bodies, joints and the history: the world then behaves like a new one. Handles are not reused.
     void clear();
     // Continues with other settings, which must be valid.
     void clear(const WorldSettings& settings);
@@ -263,19 +309,28 @@ class World {
     void set_velocity(BodyId id, glm::vec3 linear, glm::vec3 angular);
 
     // Undoes the contacts of the last step for a body that breaks in it (Structure): restores the pose at the start of
-    // the step and the velocity of that time plus a step of gravity, and returns the time, s, that the body still has
-    // to move. The caller applies impulses anew and then calls move_on(). It must amend all contacts of the body and
-    // undo their effects on other bodies. Other changes of velocity since the step remain. A fixed body is unchanged; a
-    // body that was added after the step has no time left.
+    // the step and the velocity of that time plus a step of gravity and the impulses of joints, and returns the time,
+    // s, that the body still has to move. The caller applies impulses anew and then calls move_on(). It must amend all
+    // contacts of the body and undo their effects on other bodies. Other changes of velocity since the step remain. A
+    // fixed body is unchanged; a body that was added after the step has no time left.
     float rewind(BodyId id);
+    // The body at which continuous collision ended the last step of a moving body early; BodyId{} for none.
+    [[nodiscard]] BodyId stopped_by(BodyId id) const;
     // Moves a body for `seconds` at its velocity, without contacts.
     void move_on(BodyId id, float seconds);
     // Replaces an entry of contacts(), which must have been called since the step.
     void amend_contact(size_t index, const Contact& contact);
 
+    // Returns the hulls of `target` that a body of one hull would meet within `seconds`, each as if the others were not
+    // there, if both went on at their velocities. In order of time, then of part. Empty for a body of several hulls.
+    // Bodies that collide by the rules of debris or not are treated alike.
+    [[nodiscard]] std::vector<CastHit> cast(BodyId id, BodyId target, float seconds) const;
+
     // The speed, m/s, that an impulse of 1 N s along a unit direction gives the body's point along it: the inverse of
     // the effective mass there. 0 for a fixed body.
     [[nodiscard]] float response(BodyId id, glm::vec3 point, glm::vec3 direction) const;
+    // The inverse of the inertia, 1/(kg m^2), in world axes; zero for a fixed body.
+    [[nodiscard]] glm::mat3 inverse_inertia(BodyId id) const;
     void wake_all();
 
     // The contacts of the last step, in a fixed order. Contacts between sleeping bodies have the impulses of the time

@@ -1,6 +1,7 @@
 #include "physics/world/world_check.h"
 
 #include <algorithm>
+#include <limits>
 #include <span>
 
 #include "physics/world/piece_mass.h"
@@ -15,6 +16,7 @@ constexpr double min_moment_ratio = 1e-4;
 // Range in which products and inverses fit in single precision: from a grain of dust to a mountain.
 constexpr float min_mass = 1e-18f, greatest_mass = 1e18f;    // kg
 constexpr double min_moment = 1e-28, greatest_moment = 1e28; // kg m^2
+constexpr float min_joint_length = 1e-3f;                    // m; a shorter rope or rod has no steady direction
 
 fracture::Error bad_setting(std::string message) {
     return {fracture::Status::invalid_setting, std::move(message)};
@@ -82,6 +84,25 @@ std::string fault_of_place(const BodyDesc& desc) {
     return {};
 }
 
+std::string fault_of(const JointDesc& desc) {
+    constexpr float infinity = std::numeric_limits<float>::infinity();
+    if (!finite(desc.anchor_a)) return "its anchor_a is not finite";
+    if (!(desc.max_force > 0.0f)) return text("its max_force is ", desc.max_force, " N; it must be above 0");
+    if (desc.kind == JointKind::hinge && !(finite(desc.axis) && std::isnormal(glm::dot(desc.axis, desc.axis))))
+        return text("its axis (", desc.axis.x, ", ", desc.axis.y, ", ", desc.axis.z,
+                    ") is no direction; give a finite vector with a length");
+    if (desc.kind != JointKind::distance) return {};
+    if (!finite(desc.anchor_b)) return "its anchor_b is not finite";
+    if (!(desc.min_length >= 0.0f && desc.min_length < infinity))
+        return text("its min_length is ", desc.min_length, " m; it must be 0 or more, and finite");
+    if (!(desc.max_length >= min_joint_length && desc.max_length >= desc.min_length))
+        return text("its max_length is ", desc.max_length, " m; it must be at least ", min_joint_length,
+                    " m and not below min_length, ", desc.min_length, " m");
+    if (desc.min_length == 0.0f && desc.max_length == infinity)
+        return "it has neither a min_length nor a max_length, and holds nothing; give one of them";
+    return {};
+}
+
 Result<void> validate(const WorldSettings& settings) {
     const auto outside = [](const char* field, float value, const char* range) {
         return bad_setting(text("world setting ", field, " is ", value, "; it must be ", range));
@@ -92,8 +113,8 @@ Result<void> validate(const WorldSettings& settings) {
     if (!in(settings.step, 1e-5f, 0.1f)) return outside("step", settings.step, "between 0.00001 and 0.1 s");
     if (settings.max_substeps < 1 || settings.max_substeps > 1000)
         return outside("max_substeps", static_cast<float>(settings.max_substeps), "between 1 and 1000");
-    if (settings.solver_iterations < 1 || settings.solver_iterations > 1000)
-        return outside("solver_iterations", static_cast<float>(settings.solver_iterations), "between 1 and 1000");
+    if (settings.solver_substeps < 1 || settings.solver_substeps > 1000)
+        return outside("solver_substeps", static_cast<float>(settings.solver_substeps), "between 1 and 1000");
     if (settings.ground_height && !in(*settings.ground_height, -far, far))
         return outside("ground_height", *settings.ground_height, "between -1000000 and 1000000 m");
     if (!in(settings.ground_friction, 0.0f, far))

@@ -8,6 +8,7 @@
 #include <glm/vec3.hpp>
 
 #include "fracture/mesh/principal_axes.h"
+#include "physics/world/joint.h"
 #include "physics/world/world.h"
 
 namespace brittle::physics {
@@ -29,5 +30,7 @@ std::string text(const Parts&... parts) {
 // with moments raised to what the solver's precision allows.
 [[nodiscard]] std::string fault_of_form(const BodyDesc& desc, fracture::PrincipalAxes& principal);
 [[nodiscard]] std::string fault_of_place(const BodyDesc& desc);
+// Returns what makes a joint invalid, apart from its bodies, or an empty string.
+[[nodiscard]] std::string fault_of(const JointDesc& desc);
 
 } // namespace brittle::physics

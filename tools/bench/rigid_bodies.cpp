@@ -45,7 +45,7 @@ struct Options {
     std::optional<double> seconds;
     std::optional<double> step;
     uint32_t threads = 2;
-    std::optional<uint32_t> iterations;
+    std::optional<uint32_t> substeps;
     bool large = false;
 };
 
@@ -79,7 +79,7 @@ struct Run {
     static WorldSettings settings_for(WorldSettings settings, const Options& options) {
         settings.engine = options.engine;
         settings.threads = options.threads;
-        if (options.iterations) settings.solver_iterations = *options.iterations;
+        if (options.substeps) settings.solver_substeps = *options.substeps;
         if (options.step) settings.step = static_cast<float>(*options.step);
         return settings;
     }
@@ -234,8 +234,9 @@ Outcome run_fall(const Options& options) {
     Run run(scene, options, 10.0);
     run.steps(run.seconds);
     const double depth = -run.place(0).y, theory = 0.5 * earth_gravity * run.seconds * run.seconds;
-    return {text("%.3f m in %g s, %+.4f m", depth, run.seconds, depth - theory), text("%.3f m, within 1 mm", theory),
-            std::abs(depth - theory) <= 1e-3};
+    // In single precision, 1,200 roundings of a speed of up to 98 m/s add up to millimetres.
+    return {text("%.3f m in %g s, %+.4f m", depth, run.seconds, depth - theory), text("%.3f m, within 5 mm", theory),
+            std::abs(depth - theory) < 5e-3};
 }
 
 Outcome run_pile(const Options& options, uint32_t sites) {
@@ -435,7 +436,7 @@ int main(int argc, char** argv) {
     app.add_option("--seconds", options.seconds, "simulated, in place of each row's own")->check(CLI::PositiveNumber);
     app.add_option("--step", options.step, "s, in place of 1/120")->check(CLI::Range(1e-4, 0.1));
     app.add_option("--threads", options.threads, "of a step; 0: one a core");
-    app.add_option("--iterations", options.iterations, "of the solver")->check(CLI::Range(1, 10000));
+    app.add_option("--substeps", options.substeps, "of the solver")->check(CLI::Range(1, 10000));
     app.add_flag("--large", options.large, "also heaps of 5,000 to 20,000 bodies, which take minutes");
     CLI11_PARSE(app, argc, argv);
     try {

@@ -166,30 +166,6 @@ TEST_CASE("body: kinetic energy and momenta are those of its description") {
     }
 }
 
-TEST_CASE("body: a step begins with the correction of overlap, unless the body sleeps") {
-    for (const bool asleep : {false, true}) {
-        const NewBody made = made_of(box({0.1f, 0.2f, 0.3f}, 2.0f, {1.0f, 2.0f, 3.0f}));
-        Body& body = *made.body;
-        const Transform before = body.frame;
-        body.start_step();
-        CHECK(body.step_start == before);
-        CHECK_FALSE(body.has_moved());
-        body.correction = {matrix_of(glm::angleAxis(0.01f, glm::vec3(0.0f, 1.0f, 0.0f))), {0.0f, 0.002f, 0.0f}};
-        body.has_correction = true;
-        if (asleep) body.set_activity(Activity::asleep);
-        body.start_step();
-        CHECK(body.has_moved() == !asleep);
-        CHECK_FALSE(body.has_correction);
-        CHECK(body.step_start == body.frame);
-        const Transform expected =
-            asleep ? before : Transform{body.correction.basis * before.basis, before.origin + body.correction.origin};
-        CHECK(glm::length(body.frame.origin - expected.origin) < 1e-6f);
-        CHECK(largest_difference(glm::dmat3(body.frame.basis), glm::dmat3(expected.basis)) < 1e-6);
-        body.start_step(); // only once
-        CHECK_FALSE(body.has_moved());
-    }
-}
-
 TEST_CASE("body: neither a body that never sleeps nor one that is astray changes its activity") {
     for (const Activity activity : {Activity::never_sleeps, Activity::astray}) {
         const NewBody made = made_of(box(glm::vec3(0.1f), 1.0f, {}));

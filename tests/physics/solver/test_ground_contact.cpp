@@ -281,17 +281,18 @@ TEST_CASE("ground contact: a corner that stays in contact keeps its impulses, an
             const bool known = same != before.end();
             ++(known ? kept : fresh);
             CHECK(point.speed == 0.0f);
-            CHECK(!point.blow);
-            CHECK(point.normal_impulse == (known ? same->warm_normal_impulse() : 0.0f));
-            CHECK(point.friction_impulse == (known ? same->warm_friction_impulse() : 0.0f));
-            CHECK(point.tangent == (known ? same->tangent : glm::vec3(0.0f)));
+            const PointImpulse last = known ? same->last : PointImpulse{};
+            const PointImpulse start = known ? same->start : PointImpulse{};
+            CHECK(point.last.normal == last.normal);
+            CHECK(point.last.friction == last.friction);
+            CHECK(point.start.normal == start.normal);
+            CHECK(point.start.friction == start.friction);
             // As a solution leaves it.
             const auto mark = static_cast<float>(point.corner + 100 * turn + 1);
             point.speed = mark;
-            point.normal_impulse = 2.0f * mark;
-            point.friction_impulse = 3.0f * mark;
-            point.tangent = {mark, 0.0f, -mark};
-            point.blow = (point.corner + turn) % 5 == 0;
+            point.last = {2.0f * mark, {mark, 0.0f, -mark}};
+            const bool blow = (point.corner + turn) % 5 == 0;
+            point.start = blow ? PointImpulse{} : PointImpulse{3.0f * mark, {4.0f * mark, 0.0f, mark}};
         }
         before.assign(found->points().begin(), found->points().end());
     }
