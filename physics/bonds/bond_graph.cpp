@@ -47,6 +47,7 @@ BondGraph::BondGraph(const fracture::Fragments& fragments, const Material& mater
             const glm::dvec3 span =
                 fragments.pieces[from.b].mass.centre_of_mass - fragments.pieces[from.a].mass.centre_of_mass;
             bond.lever = std::min(1.0, from.area / std::max(glm::dot(span, span), 1e-300));
+            bond.share = contact_strength_share(material, from.area);
             ++first_[from.a + 1], ++first_[from.b + 1];
         } else {
             bond.health = 0.0;
@@ -96,7 +97,20 @@ double BondGraph::impulse_strength(const Bond& bond, uint32_t from, const glm::d
                                        ? along * static_cast<double>(std::min(material_.tensile, material_.compressive))
                                        : along * bond.lever * static_cast<double>(material_.tensile);
     return std::hypot(normal_strength, across * static_cast<double>(material_.shear))
-           * static_cast<double>(impact_seconds) * bond.area;
+           * static_cast<double>(impact_seconds) * bond.area * bond.share;
+}
+
+double BondGraph::bearing(uint32_t piece, const glm::dvec3& direction) const {
+    double sum = 0.0;
+    for (const uint32_t bond : bonds_of(piece))
+        sum += bonds_[bond].health * impulse_strength(bonds_[bond], piece, direction);
+    return sum;
+}
+
+double BondGraph::breaking_energy(uint32_t piece) const {
+    double area = 0.0;
+    for (const uint32_t bond : bonds_of(piece)) area += bonds_[bond].health * bonds_[bond].area;
+    return area * static_cast<double>(material_.fracture_energy);
 }
 
 double BondGraph::blow(uint32_t piece, const glm::dvec3& impulse, double energy, double max_passed) {

@@ -9,6 +9,7 @@
 //   of an irregular test piece", 1966).
 // - Tension and shear are multiplied by the lever min(1, area / (distance of the centres of mass)^2) of thin parts: a
 //   pane breaks by bending over its span before it shears through.
+// - All are multiplied by contact_strength_share() of the area: the crack of a hard contact weakens brittle materials.
 // Health is the remaining share of strength: 1 intact, 0 broken. A broken bond never heals.
 //
 // Breaking a bond costs its area times Material::fracture_energy of the blow's energy, and a blow breaks only what its
@@ -43,6 +44,7 @@ class BondGraph {
         glm::dvec3 centroid{0.0};
         glm::dvec3 normal{0.0}; // unit, from a to b
         double lever = 1.0;     // 0 .. 1, see above
+        double share = 1.0;     // contact_strength_share() of the area
         double health = 1.0;    // 1 .. 0
 
         [[nodiscard]] bool live() const { return health > 0.0; }
@@ -68,6 +70,10 @@ class BondGraph {
                         std::span<const uint8_t> inside);
     // Returns the impulse, N s, that an intact bond bears along a unit direction when piece `from` passes it on.
     [[nodiscard]] double impulse_strength(const Bond& bond, uint32_t from, const glm::dvec3& direction) const;
+    // Returns the impulse, N s, that the bonds of a piece bear along a unit direction at their present health.
+    [[nodiscard]] double bearing(uint32_t piece, const glm::dvec3& direction) const;
+    // Returns the energy, J, that breaks all bonds of a piece.
+    [[nodiscard]] double breaking_energy(uint32_t piece) const;
     // Applies a blow of `impulse` (N s) to a piece and returns the energy (J) that it spent on bonds.
     // - The bonds of the piece share the impulse in proportion to their impulse_strength().
     // - Half of a broken bond's excess passes to the piece behind it. The piece that was hit passes on at most

@@ -108,22 +108,28 @@ StressSolver::StressSolver(std::span<const StressNode> nodes, std::span<const St
     : nodes_(nodes.begin(), nodes.end()), bonds_(bonds.begin(), bonds.end()) {
     x_.resize(nodes.size());
     applied_.resize(nodes.size());
-    build();
+    build(std::vector<uint8_t>(nodes.size(), 1));
 }
 
 void StressSolver::remove_bonds(std::span<const uint32_t> bonds) {
+    std::vector<uint8_t> changed(nodes_.size(), 0);
     bool any = false;
-    for (const uint32_t bond : bonds) any = std::exchange(bonds_[bond].area, 0.0) > 0.0 || any;
-    if (any) build();
+    for (const uint32_t bond : bonds) {
+        if (!(std::exchange(bonds_[bond].area, 0.0) > 0.0)) continue;
+        any = true;
+        changed[bonds_[bond].a] = changed[bonds_[bond].b] = 1;
+    }
+    if (any) build(changed);
 }
 
 void StressSolver::release(std::span<const uint32_t> nodes) {
     bool any = false;
     for (const uint32_t node : nodes) any = std::exchange(nodes_[node].fixed, false) || any;
-    if (any) build();
+    if (any) build(std::vector<uint8_t>(nodes_.size(), 1));
 }
 
-void StressSolver::build() {
+// changed: by node, 1 where the node's bonds are new or were removed; the blocks of other nodes stay.
+void StressSolver::build(const std::vector<uint8_t>& changed) {
     springs_.clear();
     spring_of_bond_.assign(bonds_.size(), none);
     for (uint32_t i = 0; i < bonds_.size(); ++i) {
@@ -138,15 +144,21 @@ void StressSolver::build() {
                             bond.area / length, shear_ratio * bond.area / length, second_moment / length,
                             2.0 * shear_ratio * second_moment / length});
     }
-    inverse_.assign(nodes_.size(), Block{});
+    inverse_.resize(nodes_.size());
+    for (size_t node = 0; node < nodes_.size(); ++node)
+        if (changed[node]) inverse_[node] = {};
     for (const Spring& spring : springs_) {
         const Stiffness stiffness = stiffness_of(spring);
-        for (const auto& [node, arm] : {std::pair(spring.a, spring.arm_a), {spring.b, spring.arm_b}})
+        for (const auto& [node, arm] : {std::pair(spring.a, spring.arm_a), {spring.b, spring.arm_b}}) {
+            if (!changed[node]) continue;
             stiffness.block(arm, arm, 1.0, [&, at = node](int i, int j, double value) {
                 inverse_[at][static_cast<size_t>(i * 6 + j)] += value;
             });
+        }
     }
-    for (Block& block : inverse_) {
+    for (size_t node = 0; node < nodes_.size(); ++node) {
+        if (!changed[node]) continue;
+        Block& block = inverse_[node];
         factorise(block, 6);
         Block inverse;
         for (size_t column = 0; column < 6; ++column) {

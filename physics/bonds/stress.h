@@ -114,7 +114,7 @@ class StressSolver {
         double axial, shear, bending, torsion; // stiffness over the elastic modulus: m, m, m^3, m^3
     };
 
-    void build();
+    void build(const std::vector<uint8_t>& changed);
     void build_coarse();
     void remove_acceleration(std::vector<NodeLoad>& loads) const;
     void apply(const NodeVectors& x, NodeVectors& out) const;

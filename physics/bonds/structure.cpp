@@ -50,8 +50,8 @@ Result<Structure> Structure::create(World& world, const Fragments& fragments, co
         state.centre = piece.mass.centre_of_mass;
         state.mass = mass.mass;
         state.inertia = mass.inertia;
-        state.impact_threshold =
-            static_cast<double>(toughness(desc.material)) * std::pow(mass.mass / desc.material.density, 2.0 / 3.0);
+        state.impact_threshold = breaking_force(desc.material, std::pow(mass.mass / desc.material.density, 2.0 / 3.0))
+                                 * static_cast<double>(impact_seconds);
         state.hull = hulls[all.size()];
         all.push_back(static_cast<uint32_t>(all.size()));
     }

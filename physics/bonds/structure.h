@@ -22,8 +22,15 @@
 //   others: positions and velocities return to those before the contacts. The contacts are solved again for the
 //   islands, inelastic and without friction, and the bodies move on by one step. A ball thus passes through a pane
 //   that would have stopped it; momentum is conserved and energy does not rise. World::contacts() then holds the new
-//   results. A group of more than some hundred contacts is not rewound: its islands share the impulse that the body
-//   received.
+//   results.
+// - In the rest of that step the striker meets further pieces of the broken body (World::cast()). Each is struck in
+//   turn, as by a perfectly inelastic impact along the striker's motion. Its bonds hold if they bear the impulse that
+//   stops the striker, or if its energy does not pay for them. Otherwise the piece breaks off: the body, and thus its
+//   anchors, get the impulse that the bonds bear, and the striker pushes the free piece. The striker's speed behind the
+//   body is therefore that of an inelastic impact with the mass in its way, whatever the number of pieces. A striker of
+//   several hulls meets only what it touches.
+// - A joint of a body goes on with the island of the piece that is nearest to its anchor. Its impulses are not taken
+//   back by a rewind.
 // - A single piece that comes off while more bodies collide than the limit allows becomes debris (crowd.h). A body of
 //   several bonded pieces never does.
 // - The weight of anchored bodies and contacts slower than impact_speed are loads. Overloaded bonds wear (wear.h).
@@ -38,6 +45,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -53,6 +61,7 @@
 #include "physics/bonds/wear.h"
 #include "physics/material.h"
 #include "physics/world/hull.h"
+#include "physics/world/joint.h"
 #include "physics/world/pieces.h"
 #include "physics/world/world.h"
 
@@ -95,6 +104,12 @@ class Structure {
         std::vector<BodyId> removed;
         std::vector<BodyId> added;
         std::vector<Impact> impacts; // blows that exceed what their piece bears
+        // Impulses, N s, that fixed bodies took on the way of a striker; World::contacts() does not have them.
+        struct Held {
+            glm::vec3 impulse{0.0f};
+            glm::vec3 point{0.0f};
+        };
+        std::vector<Held> held;
     };
     // Applies the contacts of the last step to the bonds, wears overloaded bonds and splits bodies. Call it after each
     // World::step(). The result is valid until the next call.
@@ -176,15 +191,34 @@ class Structure {
     [[nodiscard]] std::vector<BondBlows::StepBlow> find_blows(const World& world) const;
     void apply_blow(const World& world, const BondBlows::JudgedBlow& judged);
     void wear_bonds(const World& world);
-    // A contact whose impulse was taken back from both bodies.
-    struct RewoundContact {
-        size_t index; // into World::contacts()
+    struct Break { // a body and its islands
+        uint32_t body = none;
+        std::vector<std::vector<uint32_t>> islands;
+    };
+    struct SolvedContact { // of the step; its impulse is taken back from both bodies
+        size_t index = 0;  // into World::contacts()
         Contact original;
         uint32_t piece_a = none, piece_b = none;
     };
+    struct Push { // an impulse, N s, of a striker on a piece that it broke off
+        uint32_t piece = none;
+        glm::vec3 impulse{0.0f};
+        glm::vec3 point{0.0f};
+    };
+    // A joint of a body that splits, and the piece that keeps it.
+    struct HeldJoint {
+        LooseJoint joint;
+        uint32_t piece = none;
+    };
+    std::vector<HeldJoint> take_joints(World& world, uint32_t body) const;
     [[nodiscard]] std::vector<size_t> contacts_to_rewind(const World& world,
                                                          const std::vector<uint8_t>& breaking) const;
-    void solve_rewound(World& world, std::span<const RewoundContact> rewound) const;
+    [[nodiscard]] std::vector<Push> break_ways(World& world, std::span<const SolvedContact> solved,
+                                               std::span<const uint8_t> breaking,
+                                               const std::map<BodyId, float>& seconds_left);
+    Push strike(World& world, BodyId striker, uint32_t piece, const CastHit& hit);
+    void replace(World& world, const Break& broken);
+    void solve_again(World& world, std::span<const SolvedContact> solved) const;
     void locate(uint32_t piece, BodyId& body, uint32_t& part) const;
     void split(World& world);
     template<class Damage>

@@ -2,25 +2,24 @@
 #include "physics/bonds/structure.h"
 
 #include <algorithm>
-#include <array>
 #include <cassert>
 #include <cmath>
 #include <limits>
 #include <map>
 #include <numeric>
+#include <set>
+#include <span>
 #include <utility>
 
 #include <glm/geometric.hpp>
 
+#include "fracture/mesh/nearest.h"
+#include "physics/bonds/rewound_contacts.h"
 #include "physics/world/body_motion.h"
 
 namespace brittle::physics {
 
 namespace {
-
-constexpr int rewound_sweeps = 10; // Gauss-Seidel sweeps over rewound contacts
-// Contacts of one group that are solved again, at most: half a millisecond.
-constexpr size_t max_rewound_contacts = 256;
 
 bool is_movable(const World& world, BodyId body) {
     return world.contains(body) && !world.fixed(body);
@@ -93,8 +92,8 @@ const Structure::Changes& Structure::update(World& world) {
     for (const uint32_t bond : changes_.broken)
         for (const uint32_t piece : {graph_.bonds()[bond].a, graph_.bonds()[bond].b})
             if (pieces_[piece].body != none) dirty_[pieces_[piece].body] = 1;
-    if (desc_.wear.enabled) wear_.remove_bonds(changes_.broken);
     split(world);
+    if (desc_.wear.enabled) wear_.remove_bonds(changes_.broken);
     return changes_;
 }
 
@@ -132,7 +131,7 @@ void Structure::wear_bonds(const World& world) {
 }
 
 void Structure::split(World& world) {
-    std::vector<std::pair<uint32_t, std::vector<std::vector<uint32_t>>>> breaks;
+    std::vector<Break> breaks;
     std::vector<uint8_t> breaking(bodies_.size(), 0);
     for (uint32_t i = 0; i < bodies_.size(); ++i) {
         if (!std::exchange(dirty_[i], uint8_t{0}) || !exists(world, i)) continue;
@@ -142,83 +141,159 @@ void Structure::split(World& world) {
                                   });
         if (islands.size() < 2 && !lost_anchors) continue;
         breaking[i] = 1;
-        breaks.emplace_back(i, std::move(islands));
+        breaks.push_back({i, std::move(islands)});
     }
     if (breaks.empty()) return;
 
-    std::vector<RewoundContact> rewound;
+    std::vector<SolvedContact> solved;
     std::map<BodyId, float> seconds_left; // s that each body has yet to move
     for (const size_t index : contacts_to_rewind(world, breaking)) {
         const Contact& contact = world.contacts()[index];
-        rewound.push_back({index, contact, piece_at(contact.a, contact.part_a), piece_at(contact.b, contact.part_b)});
+        solved.push_back({index, contact, piece_at(contact.a, contact.part_a), piece_at(contact.b, contact.part_b)});
         for (const BodyId body : {contact.a, contact.b})
             if (world.contains(body)) seconds_left.emplace(body, 0.0f);
     }
-    for (auto& [body, seconds] : seconds_left) seconds = world.rewind(body);
-    for (const auto& [index, islands] : breaks) {
-        const Motion motion = motion_of(world, bodies_[index]);
-        const BodyId old = bodies_[index].id;
-        world.remove_body(old);
-        changes_.removed.push_back(old);
-        body_of_id_.erase(old.value);
-        bodies_[index].id = {};
-        for (const uint32_t piece : std::exchange(bodies_[index].pieces, {})) pieces_[piece].body = none;
-        const std::vector<uint8_t> debris = debris_of_islands(world, islands);
+    for (auto& [body, seconds] : seconds_left) {
+        seconds = world.rewind(body);
+        // What stopped the body was the whole of a body that has broken since.
+        const uint32_t stopper = index_of(world.stopped_by(body));
+        if (stopper != none && breaking[stopper]) seconds = world.settings().step;
+    }
+    const std::vector<Push> pushes = break_ways(world, solved, breaking, seconds_left);
+    for (Break& broken : breaks) {
+        if (!pushes.empty()) broken.islands = graph_.islands(bodies_[broken.body].pieces);
+        const BodyId old = bodies_[broken.body].id;
         const size_t first = bodies_.size();
-        [[maybe_unused]] const Result<void> added = add_islands(world, islands, motion, debris);
-        assert(added && "an island of a valid body is a valid body");
+        replace(world, broken);
         if (const auto parent = seconds_left.find(old); parent != seconds_left.end())
             for (const BodyState& body : std::span(bodies_).subspan(first))
                 seconds_left.emplace(body.id, parent->second);
     }
-    solve_rewound(world, rewound);
+    for (const Push& push : pushes) apply_impulse(world, body_of(push.piece), push.impulse, push.point);
+    solve_again(world, solved);
     for (const auto& [body, seconds] : seconds_left)
         if (world.contains(body)) world.move_on(body, seconds);
 }
 
-// Projected Gauss-Seidel, inelastic and without friction: the cracks took the energy of a bounce. Each impulse reduces
-// the kinetic energy that the bodies had before the contacts, so energy cannot rise.
-void Structure::solve_rewound(World& world, std::span<const RewoundContact> rewound) const {
-    // The bonds were tested with the impulse `blow`, so a contact between pieces or movable bodies transmits no more
-    // now. The rest arrives as a blow in the next step and may break more bonds.
-    const auto max_impulse = [&](const RewoundContact& contact) {
-        const auto is_limited = [&](uint32_t piece, BodyId body) { return piece != none || is_movable(world, body); };
-        return is_limited(contact.piece_a, contact.original.a) && is_limited(contact.piece_b, contact.original.b)
-                   ? contact.original.blow
-                   : std::numeric_limits<float>::infinity();
-    };
-    std::vector<float> impulses(rewound.size(), 0.0f), responses;
-    std::vector<std::array<BodyId, 2>> sides; // bodies a and b after the break
-    for (const RewoundContact& contact : rewound) {
-        const glm::vec3 &point = contact.original.point, &normal = contact.original.normal;
-        const auto& [a, b] =
-            sides.emplace_back(std::array{contact.piece_a != none ? body_of(contact.piece_a) : contact.original.a,
-                                          contact.piece_b != none ? body_of(contact.piece_b) : contact.original.b});
-        responses.push_back(response_at(world, a, point, normal) + response_at(world, b, point, normal));
-    }
-    for (int sweep = 0; sweep < rewound_sweeps; ++sweep)
-        for (size_t i = 0; i < rewound.size(); ++i) {
-            if (!(responses[i] > 0.0f)) continue;
-            const RewoundContact& contact = rewound[i];
-            const auto& [a, b] = sides[i];
-            const glm::vec3 &point = contact.original.point, &normal = contact.original.normal;
-            // The speed that closes the gap within the step.
-            const float closing = std::max(contact.original.gap, 0.0f) / world.settings().step;
-            const float approach =
-                velocity_along(world, b, point, normal) - velocity_along(world, a, point, normal) - closing;
-            const float before = std::exchange(
-                impulses[i], std::clamp(impulses[i] + approach / responses[i], 0.0f, max_impulse(contact)));
-            const glm::vec3 impulse = (impulses[i] - before) * normal;
-            apply_impulse(world, a, impulse, point);
-            apply_impulse(world, b, -impulse, point);
+// Takes the joints of a body, each with the piece that is nearest to its anchor.
+std::vector<Structure::HeldJoint> Structure::take_joints(World& world, uint32_t body) const {
+    std::vector<HeldJoint> held;
+    const Pose pose = world.pose(bodies_[body].id);
+    for (const LooseJoint& joint : world.take_joints(bodies_[body].id)) {
+        const glm::dvec3 anchor =
+            bodies_[body].centre + to_body_axes(pose, joint.anchor - pose.position); // in the fragments
+        HeldJoint& made = held.emplace_back(HeldJoint{joint});
+        double nearest = std::numeric_limits<double>::infinity();
+        for (const uint32_t piece : bodies_[body].pieces) {
+            const double distance =
+                fracture::distance_to_hull(pieces_[piece].hull->points, anchor - pieces_[piece].centre);
+            if (!(distance < nearest)) continue;
+            nearest = distance;
+            made.piece = piece;
         }
-    for (size_t i = 0; i < rewound.size(); ++i) {
-        Contact contact = rewound[i].original;
-        contact.impulse = impulses[i];
+    }
+    return held;
+}
+
+// Replaces a body by its islands.
+void Structure::replace(World& world, const Break& broken) {
+    BodyState& body = bodies_[broken.body];
+    const Motion motion = motion_of(world, body);
+    const std::vector<HeldJoint> joints = take_joints(world, broken.body);
+    world.remove_body(body.id);
+    changes_.removed.push_back(body.id);
+    body_of_id_.erase(std::exchange(body.id, {}).value);
+    for (const uint32_t piece : std::exchange(body.pieces, {})) pieces_[piece].body = none;
+    const std::vector<uint8_t> debris = debris_of_islands(world, broken.islands);
+    [[maybe_unused]] const Result<void> added = add_islands(world, broken.islands, motion, debris);
+    assert(added && "an island of a valid body is a valid body");
+    for (const HeldJoint& held : joints) world.put_joint(held.joint, body_of(held.piece));
+}
+
+// The contacts of a step hold only the pieces that a striker has reached. What it meets in the rest of the step is
+// struck here; the world would find it inside the striker in the next step, without a way out along the motion.
+std::vector<Structure::Push> Structure::break_ways(World& world, std::span<const SolvedContact> solved,
+                                                   std::span<const uint8_t> breaking,
+                                                   const std::map<BodyId, float>& seconds_left) {
+    std::set<std::pair<BodyId, uint32_t>> strikes; // striker and body
+    std::set<std::pair<BodyId, uint32_t>> touched; // striker and piece
+    for (const SolvedContact& contact : solved)
+        for (const bool first : {true, false}) {
+            const uint32_t piece = first ? contact.piece_a : contact.piece_b;
+            const BodyId striker = first ? contact.original.b : contact.original.a;
+            if (piece == none || !breaking[pieces_[piece].body] || !is_movable(world, striker)) continue;
+            touched.emplace(striker, piece);
+            if (contact.original.speed > desc_.impact_speed) strikes.emplace(striker, pieces_[piece].body);
+        }
+    std::vector<Push> pushes;
+    for (const auto& [striker, body] : strikes)
+        for (const CastHit& hit : world.cast(striker, bodies_[body].id, seconds_left.at(striker)))
+            if (const uint32_t piece = bodies_[body].pieces[hit.part]; !touched.contains({striker, piece}))
+                if (const Push push = strike(world, striker, piece, hit); push.piece != none) pushes.push_back(push);
+    const std::vector<uint32_t> broken = graph_.take_broken();
+    changes_.broken.insert(changes_.broken.end(), broken.begin(), broken.end());
+    return pushes;
+}
+
+// A perfectly inelastic impact along the striker's motion: between its neighbours a piece cannot move aside.
+// If the bonds bear the impulse that stops the striker at the whole body, or its energy does not pay for them, they
+// hold. Otherwise the body gets the impulse that they bear, and the rest is between the striker and the free piece.
+Structure::Push Structure::strike(World& world, BodyId striker, uint32_t piece, const CastHit& hit) {
+    const PieceState& state = pieces_[piece];
+    const BodyState& body = bodies_[state.body];
+    const auto approach = [&] {
+        return static_cast<double>(velocity_along(world, striker, hit.point, hit.direction)
+                                   - velocity_along(world, body.id, hit.point, hit.direction));
+    };
+    const double speed = approach();
+    if (!(speed > 0.0)) return {};
+    const double of_striker = static_cast<double>(response_at(world, striker, hit.point, hit.direction)),
+                 of_body = static_cast<double>(response_at(world, body.id, hit.point, hit.direction));
+    const glm::dmat3 axes(glm::mat3_cast(glm::dquat(world.pose(body.id).orientation)));
+    const glm::dvec3 direction = glm::dvec3(hit.direction) * axes; // in the fragments
+    const double stopping = speed / (of_striker + of_body);
+    const double bearing = graph_.bearing(piece, direction) * std::cbrt(stopping / speed);
+    const bool holds =
+        state.anchored || !(stopping > bearing) || 0.5 * stopping * speed < graph_.breaking_energy(piece);
+    const auto take = [&](double impulse) { // from the striker
+        const glm::vec3 taken = static_cast<float>(impulse) * hit.direction;
+        apply_impulse(world, striker, -taken, hit.point);
+        return taken;
+    };
+    const glm::vec3 on_body = take(holds ? stopping : bearing);
+    apply_impulse(world, body.id, on_body, hit.point);
+    if (body.fixed) changes_.held.push_back({on_body, hit.point});
+    if (holds) return {};
+    isolate(piece);
+    const glm::dvec3 centre = glm::dvec3(world.pose(body.id).position) + axes * (state.centre - body.centre);
+    const glm::dvec3 turn = glm::cross((glm::dvec3(hit.point) - centre) * axes, direction);
+    const double of_piece = 1.0 / state.mass + glm::dot(turn, glm::inverse(state.inertia) * turn);
+    return {piece, take(std::max(approach(), 0.0) / (of_striker + of_piece)), hit.point};
+}
+
+// The bonds of a piece were tested with the impulse `blow`, so a contact of a piece that is still bonded transmits no
+// more now. The rest arrives as a blow in the next step and may break more bonds.
+void Structure::solve_again(World& world, std::span<const SolvedContact> solved) const {
+    const auto max_impulse = [&](const Contact& contact, uint32_t piece) {
+        const bool bonded = piece != none && (anchored(piece) || pieces_of_body(piece).size() > 1);
+        return bonded ? contact.blow : std::numeric_limits<float>::infinity();
+    };
+    std::vector<RewoundContact> contacts;
+    for (const auto& [index, original, piece_a, piece_b] : solved)
+        contacts.push_back({.a = piece_a != none ? body_of(piece_a) : original.a,
+                            .b = piece_b != none ? body_of(piece_b) : original.b,
+                            .point = original.point,
+                            .normal = original.normal,
+                            .closing = std::max(original.gap, 0.0f) / world.settings().step,
+                            .max_impulse = std::min(max_impulse(original, piece_a), max_impulse(original, piece_b))});
+    solve_rewound(world, contacts);
+    for (size_t i = 0; i < solved.size(); ++i) {
+        Contact contact = solved[i].original;
+        contact.impulse = contacts[i].impulse;
         contact.friction = glm::vec3(0.0f);
-        locate(rewound[i].piece_a, contact.a, contact.part_a);
-        locate(rewound[i].piece_b, contact.b, contact.part_b);
-        world.amend_contact(rewound[i].index, contact);
+        locate(solved[i].piece_a, contact.a, contact.part_a);
+        locate(solved[i].piece_b, contact.b, contact.part_b);
+        world.amend_contact(solved[i].index, contact);
     }
 }
 
@@ -231,8 +306,8 @@ void Structure::locate(uint32_t piece, BodyId& body, uint32_t& part) const {
 }
 
 // Returns all contacts in the groups of touching bodies in which a blow breaks a body. The whole group is rewound: an
-// impulse that is taken back while its reaction stays would throw a body into the air. A group with more than
-// max_rewound_contacts, or with a contact of a body that was removed, is left as it is.
+// impulse that is taken back while its reaction stays would throw a body into the air. A group with a contact of a body
+// that was removed is left as it is.
 std::vector<size_t> Structure::contacts_to_rewind(const World& world, const std::vector<uint8_t>& breaking) const {
     std::vector<size_t> contacts;
     if (!new_step_) return contacts;
@@ -268,13 +343,11 @@ std::vector<size_t> Structure::contacts_to_rewind(const World& world, const std:
     }
     struct Group {
         bool blown = false, has_removed = false;
-        size_t contacts = 0;
     };
     std::vector<Group> group_states(bodies.size());
     for (size_t i = 0; i < all.size(); ++i) {
         if (touching[i] == none) continue;
         Group& group = group_states[group_of(touching[i])];
-        ++group.contacts;
         group.blown = group.blown || hits(all[i]);
         for (const BodyId body : {all[i].a, all[i].b})
             group.has_removed = group.has_removed || (body != BodyId{} && place_of(body) == none);
@@ -282,7 +355,7 @@ std::vector<size_t> Structure::contacts_to_rewind(const World& world, const std:
     for (size_t i = 0; i < all.size(); ++i) {
         if (touching[i] == none) continue;
         const Group& group = group_states[group_of(touching[i])];
-        if (group.blown && !group.has_removed && group.contacts <= max_rewound_contacts) contacts.push_back(i);
+        if (group.blown && !group.has_removed) contacts.push_back(i);
     }
     return contacts;
 }

@@ -144,6 +144,7 @@ size_t broken_of(const fracture::Fragments& fragments, float speed, double stren
                                         .tensile = 30e6f * scale,
                                         .compressive = 30e6f * scale,
                                         .shear = 5e6f * scale,
+                                        .fracture_toughness = 1e9f, // strength alone decides
                                         .fracture_energy = 1.0f},
                            .motion = {.placement = {{0.0f, height, 0.0f}, {1.0f, 0.0f, 0.0f, 0.0f}},
                                       .linear_velocity = {0.0f, -speed, 0.0f}}});

@@ -86,17 +86,6 @@ TEST_CASE("an invalid structure is refused and leaves the world unchanged") {
     CHECK(must_create(world, {}).bodies().empty());
 }
 
-TEST_CASE("material presets are valid, and the fault of an invalid material is named") {
-    for (const MaterialPreset& preset : material_presets()) {
-        CHECK(fault_of(preset.material).empty());
-        CHECK(preset.material.compressive >= preset.material.tensile);
-    }
-    CHECK(fault_of({.density = NAN}).find("density") != std::string::npos);
-    CHECK(fault_of({.compressive = 0.0f}).find("compressive") != std::string::npos);
-    CHECK(fault_of({.shear = std::numeric_limits<float>::infinity()}).find("shear") != std::string::npos);
-    CHECK(toughness(Material{}) == doctest::Approx(300.0));
-}
-
 TEST_CASE("bonds to missing pieces and bonds without area are broken from the start") {
     fracture::Fragments fragments = bar(3);
     fragments.bonds[0].b = 7;
@@ -681,4 +670,60 @@ TEST_CASE("equal breaks reproduce equal states") {
         return world.state_hash();
     };
     check_repeats(play);
+}
+
+TEST_CASE("a joint of a structure stays with the piece at its anchor when the bar breaks") {
+    for (const bool near_end : {true, false}) {
+        CAPTURE(near_end);
+        World world({.ground_height = std::nullopt, .air_density = 0.0f, .sleeping = false});
+        const fracture::Fragments fragments = bar(6);
+        Structure structure = must_create(world, fragments, {.wear = {.enabled = false}});
+        REQUIRE(structure.bodies().size() == 1);
+        const uint32_t holder = near_end ? 0u : 5u;
+        const glm::vec3 anchor(near_end ? 0.02f : 0.58f, 0.05f, 0.05f);
+        const Result<JointId> hook = world.add_joint({.a = structure.body_of(0), .anchor_a = anchor});
+        REQUIRE(hook.has_value());
+        for (int step = 0; step < 30; ++step) world.step(), structure.update(world);
+        std::vector<uint32_t> cut;
+        for (uint32_t i = 0; i < fragments.bonds.size(); ++i)
+            if (std::min(fragments.bonds[i].a, fragments.bonds[i].b) == 2) cut.push_back(i);
+        structure.break_bonds(cut);
+        structure.update(world);
+        REQUIRE(structure.body_of(0) != structure.body_of(5));
+        REQUIRE(world.has_joint(*hook));
+        CHECK(world.joint(*hook).a.body == structure.body_of(holder));
+        CHECK(world.joints_of(structure.body_of(5 - holder)).empty());
+        for (int step = 0; step < 60; ++step) world.step(), structure.update(world);
+        CHECK(glm::length(world.joint_anchor(*hook, false) - anchor) < 1e-4f);
+        CHECK(world.pose(structure.body_of(5 - holder)).position.y < -0.5f); // fell
+    }
+}
+
+TEST_CASE("a ball on a rope that breaks a wall keeps its rope and gives the wall no more momentum than it had") {
+    World world({.ground_height = std::nullopt, .air_density = 0.0f, .sleeping = false});
+    const fracture::Fragments fragments = test::bonded_grid({-0.5, -0.5, -0.05}, {0.5, 0.5, 0.05}, 8, 8, 1);
+    Structure wall = must_create(world, fragments,
+                                 {.material = {.tensile = 1e5f, .fracture_energy = 20.0f}, .wear = {.enabled = false}});
+    BodyDesc desc = ball(0.15f, 60.0f, {0, 0, -0.5f}, {0, 0, 8});
+    desc.large = true;
+    const BodyId wrecker = must_add(world, desc);
+    const Result<JointId> rope = world.add_joint({.kind = JointKind::distance,
+                                                  .a = wrecker,
+                                                  .anchor_a = {0, 0, -0.5f},
+                                                  .anchor_b = {0, 3, -0.5f},
+                                                  .max_length = 3.0f});
+    REQUIRE(rope.has_value());
+    size_t most = 1;
+    for (int step = 0; step < 120; ++step) {
+        world.step();
+        wall.update(world);
+        most = std::max(most, wall.bodies().size());
+        REQUIRE(glm::length(world.joint_anchor(*rope, false) - world.joint_anchor(*rope, true)) < 3.0f + 0.1f);
+    }
+    CHECK(most > 5);
+    CHECK(world.has_joint(*rope));
+    double forward = 0.0;
+    for (const BodyId body : wall.bodies()) forward += world.mechanics(body).momentum.z;
+    CHECK(forward > 10.0);
+    CHECK(forward < 60.0 * 8.0);
 }
