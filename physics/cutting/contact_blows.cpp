@@ -17,7 +17,17 @@ glm::vec3 velocity_at(const World& world, BodyId body, const glm::vec3& arm) {
     return world.linear_velocity(body) + glm::cross(world.angular_velocity(body), arm);
 }
 
+// m/s at which the other body approaches along the normal, away from the body where negative.
+float approach_speed(const World& world, const BodyBlow& blow, const glm::vec3& normal) {
+    const glm::vec3 arm(to_world_axes(world.pose(blow.body), glm::dvec3(blow.point)));
+    return glm::dot(velocity_at(world, blow.other, blow.arm) - velocity_at(world, blow.body, arm), normal);
+}
+
 } // namespace
+
+float bounce_energy(const World& world, const BodyBlow& blow) {
+    return 0.5f * blow.impulse * std::max(-approach_speed(world, blow, blow.normal), 0.0f);
+}
 
 std::vector<BodyBlow> BlowTracker::update(const World& world, float speed, const std::function<bool(BodyId)>& filter) {
     std::vector<Running> now = blows_of_step(world, speed, filter);
@@ -86,9 +96,7 @@ bool BlowTracker::continues(const World& world, const Running& running, float sp
     const BodyBlow& blow = running.blow;
     const float length = glm::length(blow.normal);
     if (!(length > 0.0f)) return false;
-    const glm::vec3 own_arm(to_world_axes(world.pose(blow.body), glm::dvec3(blow.point)));
-    const glm::vec3 approach = velocity_at(world, blow.other, blow.arm) - velocity_at(world, blow.body, own_arm);
-    return glm::dot(approach, blow.normal / length) > speed;
+    return approach_speed(world, blow, blow.normal / length) > speed;
 }
 
 BodyBlow BlowTracker::ended(const Running& running) {

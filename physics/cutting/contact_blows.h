@@ -1,9 +1,9 @@
 // Blows: the contacts of one body with another, summed over the steps that the collision lasts.
 //
-// A slow or flat collision, or one with a gap left to close, spreads its impulse over several steps, because a step's
-// solution stops a body only as far as the gap allows. A blow ends when the bodies no longer approach each other faster
-// than the speed limit, when they no longer touch, or after max_steps. Slower contacts never count, so a resting body
-// never adds up to a blow.
+// The step in which two bodies meet stops them whole, at any time within it. A collision lasts for several steps where
+// something pushes on, as a heavy body behind a light one. A blow ends when the bodies no longer approach each other
+// faster than the speed limit, when they no longer touch, or after max_steps. Slower contacts never count, so a resting
+// body never adds up to a blow.
 //
 //     BlowTracker tracker;
 //     each step: world.step();
@@ -35,6 +35,10 @@ struct BodyBlow {
     // the duration.
     float equivalent_impulse = 0.0f;
 };
+
+// Energy of the bounce, J: half of the impulse times the speed at which the two separate after the step in which the
+// blow ended. The contact dissipated the rest of BodyBlow::energy. At least 0.
+[[nodiscard]] float bounce_energy(const World& world, const BodyBlow& blow);
 
 class BlowTracker {
   public:

@@ -15,9 +15,11 @@
 // From a contact to new pieces:
 //  1. Blow. update() sums contacts that came in faster than impact_speed into blows, each over as many steps as it
 //     lasts (contact_blows.h). A structure reports the impacts on its pieces itself.
-//  2. Judgement. A blow breaks a piece if its equivalent impulse exceeds the piece's bearable_impulse() (solid_piece.h)
-//     and its energy is enough for a cut (damage_of() in impact_pattern.h). A blow below that on a held piece may still
-//     break its weakest section elsewhere (islands_after_blow() in held_blocks.h).
+//  2. Judgement. A blow breaks a piece if its force exceeds the piece's bearable_force() (solid_piece.h) and its energy
+//     is enough for a cut (damage_of() in impact_pattern.h). A blow that the piece bears breaks the weakest section of
+//     a held piece elsewhere (islands_after_blow() in held_blocks.h), or else chips the piece at the contact, as far as
+//     the contact's crack reaches. Chipping takes the energy that the contact dissipated; the striker bounces as the
+//     world solved it, and steps 3 and 5 leave the contact alone.
 //  3. Suspension. The piece moves on whole until its job is done. The striker rests at the piece: its bounce is taken
 //     back (suspended_contact.h).
 //  4. Job, on a worker thread. It places sites around the contact, cuts the solid, and makes masses, hulls, body forms
@@ -32,6 +34,8 @@
 //
 // A job is committed as a whole, in the order of job numbers. A commit takes microseconds for each piece, since the job
 // has prepared everything else; a time budget is therefore spent in whole jobs.
+//
+// Joints. A joint of a piece goes on with the new piece that is nearest to its anchor.
 //
 // Momentum and angular momentum are conserved. Energy is lost to cracks and to inelastic contacts, never gained. Where
 // a piece is fixed, the world is the other side of the exchange: a part that comes loose takes the blow as a free body
@@ -57,6 +61,7 @@
 #include <cstdint>
 #include <functional>
 #include <iosfwd>
+#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
@@ -119,7 +124,8 @@ struct PlannedCut {
     uint64_t seed = 0;
     glm::dvec3 gravity{0.0}; // m/s^2, in the coordinates of the object; loads held parts that the cut leaves too thin
 };
-// The pieces of a cut; a single piece where the solid withstands. If no whole brick comes off, crumbs do. Crumbs that
+// The pieces of a cut; a single piece where the solid withstands. The cracks take no more energy than the blow has: a
+// cut that would is repeated with less damage. If no whole brick comes off, crumbs do. Crumbs that
 // are each below the minimum size come off as one piece, if that piece and the rest are both large enough. Fails as
 // break_solid() does.
 [[nodiscard]] Result<std::vector<SolidPtr>> carry_out(const PlannedCut& cut,
@@ -167,6 +173,7 @@ class Destruction {
         // Commits that cut a held piece along its blocks, under its load or after a blow elsewhere.
         uint32_t overloads = 0;
         uint32_t breaks = 0;    // commits by which a piece broke
+        uint32_t chips = 0;     // of these, those of local damage
         uint32_t withstood = 0; // blows that cut nothing: all that they would take off, or leave, is below min_size
         uint32_t failed = 0;    // jobs whose cut failed; that piece is not cut again
         uint32_t retired = 0;   // pieces of debris
@@ -193,12 +200,14 @@ class Destruction {
     // Call after each step of the world. budget: s of the main thread for commits, with Timing::when_ready; at least
     // one ready job is committed a call.
     void update(World& world, double budget = 2e-3);
-    // Strikes a piece with a blow of `energy` J that has no impulse. The normal points into the piece. False for an
-    // unknown piece or a blow that does not break it.
-    bool strike(const World& world, PieceId piece, const glm::vec3& point, const glm::vec3& normal, double energy);
+    // Strikes a piece with a blow of `energy` J and `force` N that has no impulse. The normal points into the piece.
+    // False for an unknown piece or a blow that does not break it.
+    bool strike(const World& world, PieceId piece, const glm::vec3& point, const glm::vec3& normal, double energy,
+                double force = std::numeric_limits<double>::infinity());
     // The cut that strike() would start. Nothing for a blow that would not break the piece, or while a job cuts it.
     [[nodiscard]] std::optional<PlannedCut> foresee(const World& world, PieceId piece, const glm::vec3& point,
-                                                    const glm::vec3& normal, double energy) const;
+                                                    const glm::vec3& normal, double energy,
+                                                    double force = std::numeric_limits<double>::infinity()) const;
     // The log for Timing::scripted, in the order of commits(). A job without an entry is never committed.
     void follow(std::span<const Commit> log) { script_.assign(log.begin(), log.end()); }
     [[nodiscard]] std::span<const Commit> commits() const { return commits_; } // of the last update()
@@ -240,9 +249,9 @@ class Destruction {
     static constexpr uint32_t none = UINT32_MAX;
 
     struct Hit {
-        Blow blow{};                     // in the coordinates of the object; of several blows with their summed energy
-        double equivalent_impulse = 0.0; // N s, of an equal blow by one kilogram: BodyBlow::equivalent_impulse
-        SuspendedContact contact{};      // of the hardest blow
+        Blow blow{};                // in the coordinates of the object; of several blows with their summed energy
+        double bounce = 0.0;        // J of the energy that the striker keeps, where the piece bears the blow
+        SuspendedContact contact{}; // of the hardest blow
     };
     struct Object {
         std::shared_ptr<const BreakableDesc> desc;
@@ -283,6 +292,7 @@ class Destruction {
     };
     struct Broken {
         std::vector<Made> pieces; // empty where the piece withstands, else two or more
+        bool chip = false;        // local damage: the contact stays as the world solved it
         std::string failure;      // message of a failed cut; empty: none
     };
     struct Motion { // of a piece, in the world
@@ -299,6 +309,7 @@ class Destruction {
                               const glm::dvec3& from, bool debris, const std::shared_ptr<const BodyForm>& form = {});
     static BodyDesc body_of(const SolidPiece& solid);
     static Broken broken_into(Result<std::vector<SolidPtr>> pieces, const PayloadMaker& payload);
+    static Broken broken_by(const PlannedCut& cut, const std::function<bool()>& cancelled);
     PieceId register_piece(Live piece, PayloadPtr payload);
     void forget_piece(PieceId id);
     void free_elsewhere(SolidPtr solid, PayloadPtr payload = {});
@@ -308,16 +319,18 @@ class Destruction {
     [[nodiscard]] bool cuts(const World& world, const Live& piece, const Hit& hit) const;
     void hit_piece(const World& world, PieceId id, const Hit& hit);
     [[nodiscard]] std::optional<Blow> blow_at(const World& world, const Live& piece, const glm::vec3& point,
-                                              const glm::vec3& normal, double energy) const;
-    [[nodiscard]] std::optional<PlannedCut> plan(const World& world, const Live& piece, const Blow& blow) const;
+                                              const glm::vec3& normal, double energy, double force) const;
+    [[nodiscard]] std::optional<PlannedCut> plan(const World& world, const Live& piece, Blow blow,
+                                                 double bounce = 0.0) const;
     void start_job(const World& world, PieceId id, const Hit& hit);
     using Parting =
         std::function<std::vector<uint32_t>(const SolidPiece&, const SolidSettings&, const glm::dvec3& gravity)>;
     [[nodiscard]] glm::dvec3 gravity_of(const World& world, const Live& piece) const;
-    void break_elsewhere(const World& world, PieceId id, const Hit& hit);
+    void break_elsewhere(const World& world, PieceId id, const Hit& hit, const std::optional<PlannedCut>& chip = {});
     void update_loads(const World& world);
     void part_if_overloaded(const World& world, PieceId id);
-    void start_parting(const World& world, PieceId id, const Hit& hit, const Parting& parts);
+    void start_parting(const World& world, PieceId id, const Hit& hit, const Parting& parts,
+                       const std::optional<PlannedCut>& chip = {});
     void commit_due(World& world, double budget);
     bool commit(World& world, uint32_t job);
     [[nodiscard]] bool has_bonds(const Live& piece) const;

@@ -83,7 +83,7 @@ bool Destruction::commit(World& world, uint32_t number) {
     piece.job = none;
     std::optional<Hit> waiting = std::exchange(piece.waiting, std::nullopt);
     ++statistics_.commits;
-    if (job.along_blocks && broken.pieces.size() > 1) ++statistics_.overloads;
+    if (job.along_blocks && !broken.chip && broken.pieces.size() > 1) ++statistics_.overloads;
     if (!broken.failure.empty()) {
         ++statistics_.failed;
         statistics_.last_failure = broken.failure;
@@ -97,6 +97,10 @@ bool Destruction::commit(World& world, uint32_t number) {
         }
     } else {
         ++statistics_.breaks;
+        if (broken.chip) {
+            ++statistics_.chips;
+            job.hit.contact = {};
+        }
         const BodyId whole = body_of(piece);
         restore(world, whole, crack_energy(piece, broken) / job.hit.blow.energy, job.hit.contact);
         if (waiting) restore(world, whole, 0.0, waiting->contact);
@@ -109,8 +113,7 @@ bool Destruction::commit(World& world, uint32_t number) {
         solve_for_part(job.hit);
         if (!waiting) return true;
         const PieceId next = solve_for_part(*waiting);
-        if (next != PieceId{} && waiting->equivalent_impulse > pieces_.at(next).solid->bearable)
-            start_job(world, next, *waiting);
+        if (next != PieceId{}) start_job(world, next, *waiting);
     }
     return true;
 }
@@ -121,6 +124,7 @@ std::vector<PieceId> Destruction::replace(World& world, PieceId old, Broken& bro
     const Motion motion = *motion_of(world, parent);
     const bool was_debris = world.debris(body_of(parent));
     Object& object = objects_.at(parent.object);
+    const std::vector<LooseJoint> joints = world.take_joints(body_of(parent));
     if (parent.bonded != none)
         object.structure->take_piece(world, parent.bonded);
     else
@@ -147,6 +151,11 @@ std::vector<PieceId> Destruction::replace(World& world, PieceId old, Broken& bro
         else // a speck whose mass underflows single precision
             statistics_.last_failure = added.error().message;
     }
+    for (const LooseJoint& joint : joints) {
+        const PieceId holder = nearest_of(made, parent.solid->mass.centre_of_mass
+                                                    + to_body_axes(motion.pose, joint.anchor - motion.pose.position));
+        if (holder != PieceId{}) world.put_joint(joint, pieces_.at(holder).own);
+    }
     free_elsewhere(std::move(parent.solid)); // a second reference: the one that forget_piece() released may be gone
     return made;
 }
@@ -162,11 +171,11 @@ PieceId Destruction::nearest_of(std::span<const PieceId> made, const glm::dvec3&
     return nearest;
 }
 
-// J. The new surface counts half, since each crack has two sides.
+// J
 double Destruction::crack_energy(const Live& piece, const Broken& broken) const {
-    double surface = -piece.solid->mass.area;
-    for (const Made& made : broken.pieces) surface += made.solid->mass.area;
-    return 0.5 * std::max(surface, 0.0) * static_cast<double>(desc_of(piece).solid.material.fracture_energy);
+    std::vector<SolidPtr> made;
+    for (const Made& part : broken.pieces) made.push_back(part.solid);
+    return new_surface(*piece.solid, made) * static_cast<double>(desc_of(piece).solid.material.fracture_energy);
 }
 
 } // namespace brittle::physics

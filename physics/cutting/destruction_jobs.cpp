@@ -25,6 +25,10 @@ constexpr uint64_t blow_seed_base = uint64_t{1} << 32;
 // The load on a held piece is its running mean over load_seconds. Its blocks are checked again, by one job, once the
 // load exceeds load_growth times the checked load plus weight_growth times the piece's weight.
 constexpr double load_seconds = 0.1, load_growth = 1.25, weight_growth = 0.05;
+// Of a cut whose surface costs more than the blow's energy: attempts with less damage, and the share of the energy that
+// they aim at.
+constexpr int max_recuts = 3;
+constexpr double recut_share = 0.9;
 
 bool finite(const glm::vec3& v) {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
@@ -64,14 +68,24 @@ void Destruction::collect_blows(World& world) {
         const Live& piece = pieces_.at(id);
         if (2.0f * blow.energy <= desc_of(piece).impact_speed * blow.impulse) continue;
         Hit hit{.blow = {glm::dvec3(blow.point) + piece.solid->mass.centre_of_mass,
-                         to_body_axes(world.pose(blow.body), blow.normal), blow.energy},
-                .equivalent_impulse = blow.equivalent_impulse,
+                         to_body_axes(world.pose(blow.body), blow.normal), blow.energy,
+                         static_cast<double>(blow.equivalent_impulse / impact_seconds)},
+                .bounce = bounce_energy(world, blow),
                 .contact = {.striker = blow.other, .arm = blow.arm, .lost = blow.energy}};
         // A contact with the ground or a fixed body is not solved again.
         if (world.contains(blow.other) && !world.fixed(blow.other))
             hit.contact.normal_impulse = blow.impulse * blow.normal;
-        if (cuts(world, piece, hit)) suspend(world, blow.body, hit.contact);
-        if (!hit.contact.empty() && world.fixed(blow.body)) add_friction(world, blow.friction, hit.contact);
+        if (hit.blow.force > piece.solid->bearable && cuts(world, piece, hit)) {
+            const float before = glm::length(hit.contact.normal_impulse);
+            suspend(world, blow.body, hit.contact);
+            // Without its bounce the contact dissipates the energy of the impulse that remains.
+            if (before > 0.0f) {
+                const double kept = static_cast<double>(glm::length(hit.contact.normal_impulse) / before);
+                hit.blow.energy *= kept;
+                hit.contact.lost *= kept;
+            }
+        }
+        if (!hit.contact.empty()) add_friction(world, blow.body, blow.friction, hit.contact);
         hit_piece(world, id, hit);
     }
 }
@@ -86,8 +100,8 @@ void Destruction::update_structures(World& world) {
             const Pose pose = *pose_of(world, at->second);
             const Hit hit{
                 .blow = {to_body_axes(pose, impact.point - pose.position) + at->second.solid->mass.centre_of_mass,
-                         to_body_axes(pose, impact.normal), impact.energy},
-                .equivalent_impulse = static_cast<double>(impact.impulse * impact.sharpness),
+                         to_body_axes(pose, impact.normal), impact.energy,
+                         static_cast<double>(impact.impulse * impact.sharpness / impact_seconds)},
                 .contact = {.striker = impact.other}};
             hit_piece(world, piece, hit);
             if (pieces_.at(piece).job != none) object.structure->isolate(impact.piece);
@@ -95,15 +109,14 @@ void Destruction::update_structures(World& world) {
     }
 }
 
-bool Destruction::strike(const World& world, PieceId id, const glm::vec3& point, const glm::vec3& normal,
-                         double energy) {
+bool Destruction::strike(const World& world, PieceId id, const glm::vec3& point, const glm::vec3& normal, double energy,
+                         double force) {
     const auto at = pieces_.find(id);
     if (at == pieces_.end()) return false;
-    const std::optional<Blow> blow = blow_at(world, at->second, point, normal, energy);
+    const std::optional<Blow> blow = blow_at(world, at->second, point, normal, energy, force);
     if (!blow) return false;
     Hit hit;
     hit.blow = *blow;
-    hit.equivalent_impulse = std::numeric_limits<double>::infinity();
     hit_piece(world, id, hit);
     if (at->second.bonded != none && at->second.job != none)
         objects_.at(at->second.object).structure->isolate(at->second.bonded);
@@ -111,31 +124,35 @@ bool Destruction::strike(const World& world, PieceId id, const glm::vec3& point,
 }
 
 std::optional<PlannedCut> Destruction::foresee(const World& world, PieceId id, const glm::vec3& point,
-                                               const glm::vec3& normal, double energy) const {
+                                               const glm::vec3& normal, double energy, double force) const {
     const auto at = pieces_.find(id);
     if (at == pieces_.end() || at->second.job != none) return std::nullopt;
-    const std::optional<Blow> blow = blow_at(world, at->second, point, normal, energy);
+    const std::optional<Blow> blow = blow_at(world, at->second, point, normal, energy, force);
     return blow ? plan(world, at->second, *blow) : std::nullopt;
 }
 
 std::optional<Blow> Destruction::blow_at(const World& world, const Live& piece, const glm::vec3& point,
-                                         const glm::vec3& normal, double energy) const {
+                                         const glm::vec3& normal, double energy, double force) const {
     if (!finite(point) || !finite(normal) || !(glm::length(normal) > 0.0f)) return std::nullopt;
     const std::optional<Pose> pose = pose_of(world, piece);
     if (!pose || !(energy > 0.0) || !std::isfinite(energy)) return std::nullopt;
     return Blow{to_body_axes(*pose, point - pose->position) + piece.solid->mass.centre_of_mass,
-                to_body_axes(*pose, glm::normalize(normal)), energy};
+                to_body_axes(*pose, glm::normalize(normal)), energy, force};
 }
 
-// Whether a blow cuts a piece, or may cut a part of it once the running job is done.
+// Whether a blow cuts a piece, or may cut a part of it once the running job is done. A blow that the piece bears does
+// nothing while a job runs.
 bool Destruction::cuts(const World& world, const Live& piece, const Hit& hit) const {
-    return hit.equivalent_impulse > piece.solid->bearable && (piece.job != none || plan(world, piece, hit.blow));
+    if (piece.job != none) return hit.blow.force > piece.solid->bearable;
+    return plan(world, piece, hit.blow, hit.bounce).has_value();
 }
 
 // Starts a job, or keeps the blow until the running job is done.
 void Destruction::hit_piece(const World& world, PieceId id, const Hit& hit) {
     Live& piece = pieces_.at(id);
     if (!cuts(world, piece, hit)) return break_elsewhere(world, id, hit);
+    if (!(hit.blow.force > piece.solid->bearable))
+        break_elsewhere(world, id, hit, plan(world, piece, hit.blow, hit.bounce));
     if (piece.job == none) {
         start_job(world, id, hit);
         return;
@@ -150,24 +167,30 @@ void Destruction::hit_piece(const World& world, PieceId id, const Hit& hit) {
     piece.waiting->blow.energy = energy;
 }
 
-std::optional<PlannedCut> Destruction::plan(const World& world, const Live& piece, const Blow& blow) const {
+std::optional<PlannedCut> Destruction::plan(const World& world, const Live& piece, Blow blow, double bounce) const {
     if (!piece.solid->breakable || piece.unbreakable || piece.fading > 0) return std::nullopt;
+    if (!(blow.force > piece.solid->bearable)) blow.energy -= bounce;
     const std::shared_ptr<const BreakableDesc>& desc = objects_.at(piece.object).desc;
     const double least = desc->solid.min_size * desc->solid.min_size * desc->solid.min_size;
-    const Damage damage = damage_of(blow, desc->solid.material, piece.solid->mass.volume, {desc->max_pieces, least});
+    const Damage damage = damage_of(blow, desc->solid.material, piece.solid->mass.volume,
+                                    {desc->max_pieces, least, piece.solid->bearable});
     if (damage.pieces == 0) return std::nullopt;
     const uint64_t seed = piece.blows == 0 ? piece.seed : seed_of(piece.seed, blow_seed_base + piece.blows);
     return PlannedCut{piece.solid, desc, blow, damage, seed, gravity_of(world, piece)};
 }
 
-Result<std::vector<SolidPtr>> carry_out(const PlannedCut& cut, const std::function<bool()>& cancelled) {
+namespace {
+
+// The pieces of the damage, before the load on held ones.
+Result<std::vector<SolidPtr>> cut_pieces(const PlannedCut& cut, const Damage& damage,
+                                         const std::function<bool()>& cancelled) {
     ImpactPattern pattern = cut.desc->pattern;
     pattern.seed = cut.seed;
     Blow on_surface = cut.blow;
     on_surface.point = fracture::nearest_on(cut.solid->mesh, cut.blow.point);
     ImpactSites sites;
     const auto broken = [&] {
-        sites = impact_sites(cut.solid->mesh, cut.solid->mass, on_surface, cut.damage, pattern);
+        sites = impact_sites(cut.solid->mesh, cut.solid->mass, on_surface, damage, pattern);
         return break_solid(*cut.solid, sites.sites, sites.groups, cut.desc->solid, cancelled);
     };
     Result<std::vector<SolidPtr>> pieces = broken();
@@ -185,21 +208,46 @@ Result<std::vector<SolidPtr>> carry_out(const PlannedCut& cut, const std::functi
         for (uint32_t& group : sites.groups) group = group < sites.rest ? 0 : 1;
         take(break_solid(*cut.solid, sites.sites, sites.groups, cut.desc->solid, cancelled));
     }
+    return pieces;
+}
+
+} // namespace
+
+Result<std::vector<SolidPtr>> carry_out(const PlannedCut& cut, const std::function<bool()>& cancelled) {
+    Damage damage = cut.damage;
+    Result<std::vector<SolidPtr>> pieces = cut_pieces(cut, damage, cancelled);
+    // Share of the blow's energy that the cracks take. Damage estimates their surface; shells, splinters and bricks
+    // have more of it.
+    const auto spent = [&] {
+        return new_surface(*cut.solid, *pieces) * static_cast<double>(cut.desc->solid.material.fracture_energy)
+               / cut.blow.energy;
+    };
+    for (int k = 0; k < max_recuts && pieces && spent() > 1.0; ++k) {
+        damage.radius *= std::sqrt(recut_share / spent());
+        pieces = cut_pieces(cut, damage, cancelled);
+    }
+    if (pieces && spent() > 1.0) return std::vector<SolidPtr>{cut.solid};
     if (pieces) *pieces = standing(std::move(*pieces), cut.desc->solid, cut.gravity, cancelled);
     return pieces;
 }
 
 void Destruction::start_job(const World& world, PieceId id, const Hit& hit) {
     Live& piece = pieces_.at(id);
-    const std::optional<PlannedCut> cut = plan(world, piece, hit.blow);
+    const std::optional<PlannedCut> cut = plan(world, piece, hit.blow, hit.bounce);
     if (!cut) return;
     ++piece.blows;
     piece.job = next_job_++;
     jobs_[piece.job] = {id, world.steps_taken() + std::max(settings_.latency, 1u), hit};
     ++statistics_.blows;
     background_.start(piece.job, [cut = *cut](const std::atomic<bool>& cancelled) {
-        return broken_into(carry_out(cut, [&] { return cancelled.load(); }), cut.desc->payload);
+        return broken_by(cut, [&] { return cancelled.load(); });
     });
+}
+
+Destruction::Broken Destruction::broken_by(const PlannedCut& cut, const std::function<bool()>& cancelled) {
+    Broken broken = broken_into(carry_out(cut, cancelled), cut.desc->payload);
+    broken.chip = cut.damage.local;
+    return broken;
 }
 
 // m/s^2, in the coordinates of the object; zero for a piece without a body.
@@ -208,21 +256,24 @@ glm::dvec3 Destruction::gravity_of(const World& world, const Live& piece) const 
     return world.contains(body) ? to_body_axes(world.pose(body), world.settings().gravity) : glm::dvec3(0.0);
 }
 
-// A blow that breaks nothing at its contact may break the weakest section of a held piece. While a job cuts the piece,
-// the blow has no effect.
-void Destruction::break_elsewhere(const World& world, PieceId id, const Hit& hit) {
+// A blow that breaks nothing at its contact may break the weakest section of a held piece; where none breaks, `chip` is
+// cut. While a job cuts the piece, the blow has no effect.
+void Destruction::break_elsewhere(const World& world, PieceId id, const Hit& hit,
+                                  const std::optional<PlannedCut>& chip) {
     Live& piece = pieces_.at(id);
     if (!piece.solid->blocks || piece.job != none || piece.unbreakable || piece.fading > 0) return;
     const double impulse = static_cast<double>(glm::length(hit.contact.normal_impulse));
     if (!(impulse > 0.0)) return;
     const Material& material = desc_of(piece).solid.material;
     if (!(hit.blow.energy > piece.solid->blocks->min_area * static_cast<double>(material.fracture_energy))) return;
-    start_parting(world, id, hit,
-                  [energy = hit.blow.energy, blow = PointLoad{hit.blow.point, impulse * hit.blow.normal}](
-                      const SolidPiece& solid, const SolidSettings& settings, const glm::dvec3& gravity) {
-                      return islands_after_blow(*solid.blocks, settings.material, settings.blocks.strength_scale,
-                                                gravity, blow, energy);
-                  });
+    start_parting(
+        world, id, hit,
+        [energy = hit.blow.energy, blow = PointLoad{hit.blow.point, impulse * hit.blow.normal}](
+            const SolidPiece& solid, const SolidSettings& settings, const glm::dvec3& gravity) {
+            return islands_after_blow(*solid.blocks, settings.material, settings.blocks.strength_scale, gravity, blow,
+                                      energy);
+        },
+        chip);
 }
 
 // Updates the loads on held pieces, and checks the blocks of those whose load has grown.
@@ -268,15 +319,17 @@ void Destruction::update_loads(const World& world) {
 }
 
 // Starts a job that cuts a held piece between the islands that `parts` finds, after a blow elsewhere or, without a hit,
-// under load.
-void Destruction::start_parting(const World& world, PieceId id, const Hit& hit, const Parting& parts) {
+// under load. Where the piece stands, the job cuts the chip.
+void Destruction::start_parting(const World& world, PieceId id, const Hit& hit, const Parting& parts,
+                                const std::optional<PlannedCut>& chip) {
     Live& piece = pieces_.at(id);
     piece.job = next_job_++;
     jobs_[piece.job] = {id, world.steps_taken() + std::max(settings_.latency, 1u), hit, true};
     background_.start(piece.job, [=, solid = piece.solid, gravity = gravity_of(world, piece),
                                   desc = objects_.at(piece.object).desc](const std::atomic<bool>& cancelled) {
         const std::vector<uint32_t> islands = parts(*solid, desc->solid, gravity);
-        if (std::ranges::count(islands, 0u) == static_cast<ptrdiff_t>(islands.size())) return Broken{};
+        if (std::ranges::count(islands, 0u) == static_cast<ptrdiff_t>(islands.size()))
+            return chip ? broken_by(*chip, [&] { return cancelled.load(); }) : Broken{};
         return broken_into(break_apart(*solid, islands, desc->solid, [&] { return cancelled.load(); }), desc->payload);
     });
 }

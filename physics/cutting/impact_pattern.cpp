@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <numeric>
 #include <utility>
 
 #include <glm/geometric.hpp>
@@ -39,6 +40,12 @@ constexpr double layer_spacing = 1.6, lift_jitter = 0.1;
 // are near the rim of the damage.
 constexpr double shell_ratio = 1.35;
 constexpr double inner_ratio = 0.75; // largest distance of the pieces' sites by the radius of the damage
+// Stars of glass. Spread of the angles between rays, as a share of their mean; growth of the distance of concentric
+// cracks; farthest of them by the mean distance of the edges; shares of concentric cracks and of rays that are left
+// out, and of shards that stay at the rim of a hole.
+constexpr double ray_jitter = 0.6, ring_growth = 1.9, ring_reach = 0.5;
+constexpr double missing_rings = 0.3, missing_rays = 0.25, rim_shards = 0.4;
+constexpr uint32_t min_rays = 3, max_rays = 16, min_edge_rays = 3;
 
 bool finite(const glm::dvec3& v) {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
@@ -80,9 +87,14 @@ class Maker {
 
     ImpactSites run(const fracture::MassProperties& mass) {
         bool ended = false; // the kind has placed its own sites of the rest around the damage
+        bool whole = false; // nothing is left of the solid
         switch (pattern_.kind) {
         case PatternKind::radial:
-            radial();
+            ended = reach_ >= depth_ && damage_.pieces >= min_rays;
+            if (ended)
+                whole = star();
+            else
+                radial();
             break;
         case PatternKind::splinters:
             splinters(longest_axis(mass));
@@ -101,7 +113,7 @@ class Maker {
             crowd(damage_.pieces - damage_.pieces / 2, 1.0 / 3.0);
         }
         if (!ended) shell();
-        rest();
+        if (!whole) rest();
         return finished();
     }
 
@@ -144,7 +156,81 @@ class Maker {
         }
     }
 
-    // Rings and rays of shards, as glass breaks.
+    // The cracks of a plate that the blow goes through: rays from the contact, and concentric cracks between them.
+    // - Layers of sites on common rays: the bisectors of two rays' sites all lie in one plane through the contact, a
+    //   straight crack. Those between two layers are the concentric cracks, straight across each sector.
+    // - The outermost layer has no end, so its rays reach the edges of the solid, or a crack of an earlier blow, which
+    //   is an edge of the solid that is left. Only as many do as the energy pays for; the shards between two others
+    //   are one.
+    // - Where it pays for fewer than min_edge_rays, the outermost layer is the rest, a plate with a hole. Some shards
+    //   of the last ring stay with it, so that the hole's rim has sharp points.
+    // Returns whether the rays reach the edges.
+    bool star() {
+        const auto wanted = static_cast<uint32_t>(std::round(std::sqrt(3.0 * damage_.pieces)));
+        const uint32_t rays = std::clamp(wanted, min_rays, std::clamp(damage_.pieces / 2, min_rays, max_rays));
+        uint32_t layers = std::max(1u, damage_.pieces / rays);
+        const AxisFrame frame = fracture::axis_frame(blow_.normal);
+        std::vector<glm::dvec3> ways; // of the rays' sites
+        const double turn = random_.uniform();
+        double edge = 0.0; // mean distance of the edges, at most
+        for (uint32_t k = 0; k < rays; ++k) {
+            const double angle = 2.0 * pi * (k + turn + ray_jitter * (random_.uniform() - 0.5)) / rays;
+            ways.push_back(std::cos(angle) * frame.u + std::sin(angle) * frame.v);
+            double farthest = 0.0;
+            for (const glm::dvec3& p : solid_.positions)
+                farthest = std::max(farthest, glm::dot(p - blow_.point, ways.back()));
+            edge += farthest / rays;
+        }
+        // Distances of the concentric cracks: last_ring, last_ring / ring_growth, ...
+        const double last_ring = std::min(inner_ratio * damage_.radius, ring_reach * edge);
+        double inner_length = rays * last_ring, first_ring = last_ring;
+        for (uint32_t layer = 1; layer < layers; ++layer) {
+            inner_length += 2.0 * pi * first_ring;
+            if (layer + 1 < layers) first_ring /= ring_growth;
+        }
+        const double surface = surface_per_radius * damage_.radius * damage_.radius * std::cbrt(damage_.pieces);
+        const double paid = (surface / depth_ - inner_length) / std::max(edge - last_ring, 1e-3 * edge);
+        const auto edge_rays =
+            static_cast<uint32_t>(std::clamp(paid, 0.0, std::ceil(rays * (1.0 - missing_rays * random_.uniform()))));
+        const bool hole = damage_.local || edge_rays < min_edge_rays;
+        if (hole && layers++ > 1) first_ring /= ring_growth; // the rest begins beyond last_ring
+
+        std::vector<uint32_t> group(layers * rays); // by layer and ray: a cell of the same piece
+        std::iota(group.begin(), group.end(), 0u);
+        const uint32_t last = layers - 1;
+        const auto join = [&](uint32_t one, uint32_t other) {
+            const uint32_t from = std::max(group[one], group[other]), to = std::min(group[one], group[other]);
+            std::ranges::replace(group, from, to);
+        };
+        for (uint32_t layer = 2; layer < layers - (hole ? 1u : 0u); ++layer) // the contact is free
+            for (uint32_t k = 0; k < rays; ++k)
+                if (random_.uniform() < missing_rings) join((layer - 1) * rays + k, layer * rays + k);
+        if (hole) {
+            for (uint32_t k = 1; k < rays; ++k) join(last * rays, last * rays + k);
+            for (uint32_t k = 0; k < rays; ++k)
+                if (layers > 2 && random_.uniform() < rim_shards) join(last * rays, (last - 1) * rays + k);
+        } else {
+            std::vector<uint32_t> candidates(rays);
+            std::iota(candidates.begin(), candidates.end(), 0u);
+            for (uint32_t k = rays; k > edge_rays; --k) {
+                const auto at = candidates.begin() + static_cast<ptrdiff_t>(random_.uniform() * k);
+                join(last * rays + *at, last * rays + (*at + 1) % rays);
+                candidates.erase(at);
+            }
+        }
+        const uint32_t outside = hole ? group[last * rays] : stays;
+        std::vector<uint32_t> number(group.size(), stays); // of the piece
+        double distance = 2.0 * first_ring / (1.0 + ring_growth);
+        for (uint32_t layer = 0; layer < layers; ++layer, distance *= ring_growth)
+            for (uint32_t k = 0; k < rays; ++k) {
+                const uint32_t own = group[layer * rays + k];
+                if (own != outside && number[own] == stays) number[own] = result_.rest++;
+                add(blow_.point + distance * ways[k], number[own]);
+            }
+        return !hole;
+    }
+
+    // Rings and rays of shards in a solid that the blow does not go through.
     void radial() {
         const fracture::RadialLayout layout{.count = damage_.pieces,
                                             .exact = true,
@@ -259,18 +345,24 @@ double energy_of(double radius, const Material& material, double volume, uint32_
 
 Damage damage_of(const Blow& blow, const Material& material, double volume, const DamageLimits& limits) {
     if (!finite(blow.point) || !finite(blow.normal) || !(glm::length(blow.normal) > 0.5) || !(blow.energy > 0.0)
-        || !std::isfinite(blow.energy) || !(volume > 0.0) || !std::isfinite(volume))
+        || !(blow.force > 0.0) || !std::isfinite(blow.energy) || !(volume > 0.0) || !std::isfinite(volume))
         return {};
     const double surface = blow.energy / static_cast<double>(material.fracture_energy);
     double pieces = std::max(std::round(pieces_per_size * std::sqrt(surface) / std::cbrt(volume)), double{min_pieces});
     pieces = std::min(pieces, static_cast<double>(std::max(limits.max_pieces, 1u)));
-    const double radius = std::sqrt(surface / (surface_per_radius * std::cbrt(pieces)));
+    double radius = std::sqrt(surface / (surface_per_radius * std::cbrt(pieces)));
+    const bool local = !(blow.force > limits.bearable);
+    if (const double crack = contact_crack(material, blow.force); local && crack < radius) {
+        pieces = std::max(std::round(pieces * crack / radius), std::min(pieces, double{min_pieces}));
+        radius = crack;
+    }
+    if (!(radius > 0.0)) return {};
     if (limits.min_volume > 0.0) {
         const double damaged = std::min(half_ball * radius * radius * radius, volume);
         if (volume < 2.0 * limits.min_volume || damaged < limits.min_volume) return {};
         pieces = std::min(pieces, std::floor(damaged / limits.min_volume));
     }
-    return {radius, static_cast<uint32_t>(pieces)};
+    return {radius, static_cast<uint32_t>(pieces), local};
 }
 
 ImpactSites impact_sites(const fracture::TriangleMesh& solid, const fracture::MassProperties& mass, const Blow& blow,

@@ -9,6 +9,9 @@
 // sqrt(A / (4.9 n^(1/3))). Hence R grows as E^(5/12) and n as E^(1/2). The energy of a blow becomes new surface:
 // Griffith, "The phenomena of rupture and flow in solids", 1921; for comminution, Rittinger's law.
 //
+// Local damage. A solid that bears the force of the blow as a whole chips: the damage reaches no farther than
+// contact_crack() (material.h) of the force, with fewer pieces in the same proportion.
+//
 //     const Damage damage = damage_of(blow, material, volume, limits);
 //     const ImpactSites cut = impact_sites(solid, mass, blow, damage, {.kind = PatternKind::radial, .seed = 7});
 //
@@ -16,6 +19,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -33,20 +37,25 @@ struct Blow {
     glm::dvec3 point{0.0};
     glm::dvec3 normal{0.0, -1.0, 0.0}; // unit, into the solid
     double energy = 0.0;               // J
+    // N, of a blow of impact_seconds; infinite where the energy alone decides.
+    double force = std::numeric_limits<double>::infinity();
 };
 
 struct DamageLimits {
     uint32_t max_pieces = 48;
     double min_volume = 0.0; // m^3, lower limit of the mean volume of the pieces
+    double bearable = 0.0;   // N; a blow of no more force leaves local damage
 };
 
 struct Damage {
     double radius = 0.0; // m; 0: the blow breaks nothing
     uint32_t pieces = 0;
+    bool local = false; // the solid bears the blow as a whole
 };
 
 // Extent of the damage. None for an energy or volume that is not positive and finite, for a point or normal that is not
-// finite, for a zero normal, for damage below the minimum volume, and for a solid below twice the minimum volume.
+// finite, for a zero normal, for a force that is not positive, for damage below the minimum volume,
+// and for a solid below twice the minimum volume.
 [[nodiscard]] Damage damage_of(const Blow& blow, const Material& material, double volume,
                                const DamageLimits& limits = {});
 
@@ -56,9 +65,11 @@ struct Damage {
 
 struct ImpactPattern {
     // uniform: half of the pieces anywhere in the damage, half close to the contact. clustered, thickness: close to the
-    // contact. radial: shards in rings around the contact, through the solid along the normal. splinters: long along
-    // the solid's longest principal axis. bricks: whole bricks of the bond, the nearest first; as uniform for a single
-    // brick, and where the damage reaches no half brick's middle. All others: as uniform.
+    // contact. radial: where the damage goes through the solid along the normal, rays of cracks from the contact to the
+    // edges with concentric cracks between them, or a hole with a sharp rim where the energy does not pay for rays to
+    // the edges; elsewhere shards in rings around the contact. splinters: long along the solid's longest principal
+    // axis. bricks: whole bricks of the bond, the nearest first; as uniform for a single brick, and where the damage
+    // reaches no half brick's middle. All others: as uniform.
     fracture::PatternKind kind = fracture::PatternKind::uniform;
     uint64_t seed = 1;
     double slenderness = 8.0; // splinters: length by width

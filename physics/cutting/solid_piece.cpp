@@ -46,7 +46,7 @@ void finish(SolidPiece& solid, const SolidSettings& settings) {
     piece.mass = solid.mass;
     const BodyMass exact = true_mass(piece, settings.material.density);
     solid.body = is_possible(exact) ? exact : box_mass(positions, settings.material.density);
-    solid.bearable = bearable_impulse(settings.material, solid.mass.volume, fracture::bounds(solid.mesh));
+    solid.bearable = bearable_force(settings.material, solid.mass.volume, fracture::bounds(solid.mesh));
     solid.anchored = reaches(settings.anchors, positions, solid.mesh.triangles);
     solid.breakable = solid.mass.volume >= 2.0 * cube(settings.min_size);
 }
@@ -105,9 +105,15 @@ Error cancelled_error() {
 
 } // namespace
 
-double bearable_impulse(const Material& material, double volume, const Box& box) {
+double bearable_force(const Material& material, double volume, const Box& box) {
     const double side = std::max({box.size().x, box.size().y, box.size().z});
-    return side > 0.0 ? static_cast<double>(toughness(material)) * std::max(volume, 0.0) / side : 0.0;
+    return side > 0.0 ? breaking_force(material, volume / side) : 0.0;
+}
+
+double new_surface(const SolidPiece& solid, std::span<const SolidPtr> pieces) {
+    double surface = -solid.mass.area;
+    for (const SolidPtr& piece : pieces) surface += piece->mass.area;
+    return 0.5 * std::max(surface, 0.0);
 }
 
 Result<SolidPtr> make_solid(const fracture::TriangleMesh& mesh, const SolidSettings& settings) {

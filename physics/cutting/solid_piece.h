@@ -49,7 +49,7 @@ struct SolidPiece {
     BodyMass body{};                    // kg
     std::vector<BodyPart> parts{};      // collision hulls, relative to the centre of mass
     float radius = 0.0f;                // m, around the centre of mass
-    double bearable = 0.0;              // N s, see bearable_impulse()
+    double bearable = 0.0;              // N, see bearable_force()
     bool anchored = false;
     bool breakable = false;                     // large enough for a cut
     std::shared_ptr<const HeldBlocks> blocks{}; // for loads; null unless the piece is anchored and breakable
@@ -57,10 +57,13 @@ struct SolidPiece {
 
 using SolidPtr = std::shared_ptr<const SolidPiece>;
 
-// Largest impulse of a blow by one kilogram that a solid withstands, N s: toughness(material) times the mean section
-// across the longest side of its box, volume / side. For a cube this equals the limit of Structure's pieces; panes and
-// needles bear less.
-[[nodiscard]] double bearable_impulse(const Material& material, double volume, const fracture::Box& box);
+// Largest force of a blow that a solid withstands as a whole, N: breaking_force() of the mean section across the
+// longest side of its box, volume / side. For a cube this equals the limit of Structure's pieces; panes and needles
+// bear less.
+[[nodiscard]] double bearable_force(const Material& material, double volume, const fracture::Box& box);
+
+// m^2 of cracks between the pieces of a solid: half of their new surface, since a crack has two sides. At least 0.
+[[nodiscard]] double new_surface(const SolidPiece& solid, std::span<const SolidPtr> pieces);
 
 // An unbroken object. Fails as fracture() does on a mesh that cannot be broken, and with invalid_setting on an invalid
 // material or minimum size.

@@ -17,14 +17,16 @@ glm::vec3 point_of(const World& world, const SuspendedContact& contact) {
     return world.pose(contact.striker).position + contact.arm;
 }
 
-// J that the striker lost by an impulse that it gave to a fixed piece just before.
-double energy_given(const World& world, const SuspendedContact& contact, const glm::vec3& impulse) {
+// J that the two lost by an impulse on the piece, and by its reaction on the striker, just before.
+double energy_lost(const World& world, BodyId piece, const SuspendedContact& contact, const glm::vec3& impulse) {
     const float size = glm::length(impulse);
     if (!(size > 0.0f)) return 0.0;
     const glm::vec3 direction = impulse / size, point = point_of(world, contact);
-    return static_cast<double>(size
-                               * (velocity_along(world, contact.striker, point, direction)
-                                  + 0.5f * size * response_at(world, contact.striker, point, direction)));
+    const float approach =
+        velocity_along(world, contact.striker, point, direction) - velocity_along(world, piece, point, direction);
+    const float response =
+        response_at(world, contact.striker, point, direction) + response_at(world, piece, point, direction);
+    return static_cast<double>(size * (approach + 0.5f * size * response));
 }
 
 } // namespace
@@ -50,9 +52,11 @@ void suspend(World& world, BodyId piece, SuspendedContact& contact) {
     contact.normal_impulse = (max_impulse - bounce) * normal;
 }
 
-void add_friction(const World& world, const glm::vec3& friction, SuspendedContact& contact) {
+// A free piece may have passed the impulse on. Its loss by this impulse is then more than the contact dissipated.
+void add_friction(const World& world, BodyId piece, const glm::vec3& friction, SuspendedContact& contact) {
     contact.friction_impulse = friction;
-    contact.lost = std::max(contact.lost, energy_given(world, contact, contact.normal_impulse + friction));
+    const double lost = energy_lost(world, piece, contact, contact.normal_impulse + friction);
+    contact.lost = world.fixed(piece) ? std::max(contact.lost, lost) : std::clamp(lost, 0.0, contact.lost);
 }
 
 void restore(World& world, BodyId piece, double crack_share, SuspendedContact& contact) {

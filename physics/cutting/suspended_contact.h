@@ -24,7 +24,7 @@ namespace brittle::physics {
 struct SuspendedContact {
     BodyId striker{};
     glm::vec3 normal_impulse{0.0f};   // N s, on the piece; the striker got the opposite
-    glm::vec3 friction_impulse{0.0f}; // N s, on a fixed piece; zero for a free one, which keeps its friction
+    glm::vec3 friction_impulse{0.0f}; // N s, on the piece
     glm::vec3 arm{0.0f};              // m, from the striker's centre of mass to the contact at the time of contact
     double lost = 0.0;                // J that the contact dissipated, the limit of what restore() returns
 
@@ -34,8 +34,8 @@ struct SuspendedContact {
 // Takes back the bounce: the part of the impulse that drives the two apart. The rest remains suspended.
 void suspend(World& world, BodyId piece, SuspendedContact& contact);
 
-// Adds the friction that the striker of a fixed piece felt, with the energy that it cost the striker.
-void add_friction(const World& world, const glm::vec3& friction, SuspendedContact& contact);
+// Adds the friction on the piece, and sets the energy that both impulses together cost piece and striker.
+void add_friction(const World& world, BodyId piece, const glm::vec3& friction, SuspendedContact& contact);
 
 // Undoes the suspended impulse, after cracks have taken `crack_share` of the blow's energy: a share f of the impulse
 // returns f^2 of the energy. Where the bodies have moved so that the impulse would return more than `lost`, a smaller

@@ -603,3 +603,33 @@ TEST_CASE("destruction: a hard blow breaks one piece of a structure, and the oth
     CHECK(destruction.depth(pieces[0]) == 0);
     CHECK(greatest_speed(world) < 1e-3f);
 }
+
+TEST_CASE("a joint of a piece that is cut goes on with the part at its anchor") {
+    World world({.ground_height = std::nullopt, .air_density = 0.0f, .sleeping = false});
+    Destruction destruction;
+    const ObjectId object = must_add(destruction, world, fracture::cube(1.0), desc_of(0.1));
+    const PieceId whole = destruction.pieces().front();
+    const fracture::Box box = fracture::bounds(fracture::cube(1.0));
+    const Pose pose = world.pose(destruction.body(whole));
+    const float side = static_cast<float>(box.max.y - box.min.y);
+    const glm::vec3 top = pose.position + glm::vec3(0.0f, 0.5f * side, 0.0f);
+    const Result<JointId> rope = world.add_joint({.kind = JointKind::distance,
+                                                  .a = destruction.body(whole),
+                                                  .anchor_a = top,
+                                                  .anchor_b = top + glm::vec3(0, 1, 0),
+                                                  .max_length = 1.0f});
+    REQUIRE(rope.has_value());
+    const glm::vec3 below = pose.position - glm::vec3(0.0f, 0.5f * side, 0.0f);
+    REQUIRE(destruction.strike(world, whole, below, {0, 1, 0}, 2e4));
+    run(world, destruction, 10);
+    REQUIRE(destruction.pieces().size() > 2);
+    REQUIRE(world.has_joint(*rope));
+    const BodyId holder = world.joint(*rope).a.body;
+    REQUIRE(world.contains(holder));
+    run(world, destruction, 240);
+    CHECK(world.has_joint(*rope));
+    CHECK(glm::length(world.joint_anchor(*rope, false) - world.joint_anchor(*rope, true)) < 1.0f + 1e-3f);
+    CHECK(world.pose(holder).position.y > pose.position.y - side); // hangs
+    destruction.remove(world, object);
+    CHECK(world.joints().empty());
+}

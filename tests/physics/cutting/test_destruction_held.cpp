@@ -22,10 +22,14 @@ TEST_CASE("held destruction: a ball makes a hole in a pane that is held at its r
     World world;
     Destruction destruction;
     const fracture::TriangleMesh pane = fracture::cuboid({2.0, 1.4, 0.02});
-    BreakableDesc desc = desc_of(0.01, {.density = 2500.0f, .tensile = 4e6f, .fracture_energy = 2e3f});
+    // With the friction of concrete the plug would jam in its hole, because its edges do not crush.
+    BreakableDesc desc =
+        desc_of(0.01, {.density = 2500.0f, .friction = 0.3f, .tensile = 4e6f, .fracture_energy = 2e3f});
     desc.pattern.kind = PatternKind::radial;
     desc.motion.placement.position = {0.0f, 0.7f, 0.0f};
-    desc.solid.anchors = {fracture::Box{{-1.1, -0.75, -0.1}, {1.1, -0.69, 0.1}}};
+    desc.solid.anchors = {
+        fracture::Box{{-1.1, -0.75, -0.1}, {1.1, -0.69, 0.1}}, fracture::Box{{-1.1, 0.69, -0.1}, {1.1, 0.75, 0.1}},
+        fracture::Box{{-1.1, -0.75, -0.1}, {-0.99, 0.75, 0.1}}, fracture::Box{{0.99, -0.75, -0.1}, {1.1, 0.75, 0.1}}};
     must_add(destruction, world, pane, desc);
     const BodyId ball = shoot(world, 0.06f, 1.0f, {0.1f, 0.8f, 1.0f}, {0.0f, 0.0f, -40.0f});
     const double volume = volume_of(destruction);
@@ -99,7 +103,7 @@ TEST_CASE("held destruction: a head on a stem stands, and falls if the stem is t
     // a hundredth of its strength of 30 MPa.
     Mushroom strong_enough(0.05f), too_weak(0.004f);
     for (Mushroom* one : {&strong_enough, &too_weak}) {
-        run(one->world, one->destruction, 120);
+        run(one->world, one->destruction, 240); // the head topples slowly over what is left of its stem
         one->check();
     }
     CHECK(strong_enough.destruction.pieces().size() == 1);
@@ -219,7 +223,7 @@ TEST_CASE("held destruction: a head that comes off takes the blow as a free body
             CAPTURE(speed);
             World world(empty_space);
             Destruction destruction;
-            BreakableDesc desc = desc_of(0.12, {.tensile = 3e8f, .fracture_energy = 1.0f});
+            BreakableDesc desc = desc_of(0.12, {.tensile = 3e8f, .fracture_toughness = 1e9f, .fracture_energy = 1.0f});
             desc.solid.anchors = {fracture::Box{{-1.0, -1.0, -1.0}, {1.0, 0.01, 1.0}}};
             must_add(destruction, world,
                      test::lathe({{0.3, 0.0}, {0.3, 0.1}, {0.06, 0.15}, {0.06, 0.9}, {0.5, 1.0}, {0.5, 1.5}}, 24),

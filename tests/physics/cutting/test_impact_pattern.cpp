@@ -92,6 +92,33 @@ TEST_CASE("impact pattern: damage grows and refines with energy, within the limi
     CHECK(damage_of(blow, material, 8.0, {.min_volume = least}).pieces == 3);
 }
 
+TEST_CASE("impact pattern: a blow that the solid bears damages no farther than the crack of its contact reaches") {
+    const Material material;
+    const DamageLimits limits{.max_pieces = 40, .bearable = 1e6};
+    const auto damage_by = [&](double energy, double force) {
+        return damage_of({top.point, top.normal, energy, force}, material, 8.0, limits);
+    };
+    for (const double force : {0.0, -1.0, not_a_number}) CHECK(damage_by(100.0, force).pieces == 0);
+    for (const double energy : {1e-3, 1.0, 100.0, 1e4, 1e6}) {
+        const Damage whole = damage_by(energy, infinity);
+        CHECK_FALSE(whole.local);
+        Damage before;
+        for (double force = 1.0; force <= 1e6; force *= 2.1) {
+            const Damage damage = damage_by(energy, force);
+            CAPTURE(energy);
+            CAPTURE(force);
+            CHECK(damage.local);
+            CHECK(damage.radius <= contact_crack(material, force));
+            CHECK(damage.radius <= whole.radius);
+            CHECK(damage.radius >= before.radius);
+            CHECK(damage.pieces >= std::max(before.pieces, 4u));
+            CHECK(damage.pieces <= whole.pieces);
+            before = damage;
+        }
+        CHECK(damage_by(energy, 1.01e6).radius == whole.radius);
+    }
+}
+
 TEST_CASE("impact pattern: pieces lie around the contact inside the solid, the rest beyond") {
     const fracture::TriangleMesh mesh = fracture::icosphere(4);
     for (const PatternKind kind : {PatternKind::uniform, PatternKind::clustered, PatternKind::radial,

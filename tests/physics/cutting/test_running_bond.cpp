@@ -238,7 +238,7 @@ TEST_CASE("running bond: a brick with remains of others crumbles, and so do bric
         const fracture::TriangleMesh mesh = box_mesh(box);
         const auto solid = make_solid(mesh, desc.solid);
         REQUIRE(solid);
-        const Blow blow{{box.min.x + 0.1, box.min.y + 0.03, box.max.z}, {0.0, 0.0, -1.0}, 1.0};
+        const Blow blow{{box.min.x + 0.1, box.min.y + 0.03, box.max.z}, {0.0, 0.0, -1.0}, 1e6}; // pays for the damage
         const auto pieces = carry_out({.solid = *solid,
                                        .desc = std::make_shared<const BreakableDesc>(desc),
                                        .blow = blow,

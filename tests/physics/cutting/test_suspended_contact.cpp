@@ -1,5 +1,7 @@
 #include "physics/cutting/suspended_contact.h"
 
+#include <cmath>
+
 #include <doctest/doctest.h>
 #include <glm/geometric.hpp>
 
@@ -100,9 +102,28 @@ TEST_CASE("suspended contact: the striker of a fixed piece gets its impulse back
     now.check_velocities(0.0f, 0.0f);
     const glm::vec3 friction(0.5f, 0.0f, 0.0f);
     now.world.set_velocity(now.striker, -friction / Collision::striker_mass, glm::vec3(0.0f));
-    add_friction(now.world, friction, now.contact);
+    add_friction(now.world, now.piece, friction, now.contact);
     restore(now.world, now.piece, 0.0, now.contact);
     CHECK(now.of(now.piece) == 0.0f);
     CHECK(now.of(now.striker) < -0.9f * Collision::speed);
     CHECK(now.world.linear_velocity(now.striker).x > -0.1f);
+}
+
+TEST_CASE("suspended contact: a free piece and its striker get back the velocities from before, friction included") {
+    Collision now;
+    suspend(now.world, now.piece, now.contact);
+    const double before = 0.5 * double{Collision::striker_mass * Collision::speed * Collision::speed};
+    const glm::vec3 point = now.world.pose(now.striker).position + now.contact.arm, friction(0.5f, 0.0f, 0.0f);
+    now.world.apply_impulse(now.piece, friction, point);
+    now.world.apply_impulse(now.striker, -friction, point);
+    now.contact.lost = before; // more than the contact dissipated
+    const double dissipated = before - now.world.mechanics().kinetic;
+    add_friction(now.world, now.piece, friction, now.contact);
+    CHECK(now.contact.lost == doctest::Approx(dissipated).epsilon(1e-5));
+    restore(now.world, now.piece, 0.0, now.contact);
+    now.check_velocities(-Collision::speed, 0.0f);
+    for (const BodyId body : {now.piece, now.striker}) {
+        CHECK(std::abs(now.world.linear_velocity(body).x) < 1e-6f);
+        CHECK(glm::length(now.world.angular_velocity(body)) < 1e-5f);
+    }
 }
