@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <string_view>
 #include <thread>
 
 #include <doctest/doctest.h>
@@ -143,9 +144,10 @@ TEST_CASE("a replay that differs has its own exit code and names step and body")
     if (no_vulkan(recorded)) return;
     REQUIRE(recorded.exit_code == 0);
     std::string log = read_text(folder / "run.log");
-    const size_t speed = log.find(R"("velocity":[-0.6,0.0,9.0])");
+    const std::string_view velocity = R"("velocity":[-0.8,0.0,12.0])";
+    const size_t speed = log.find(velocity);
     REQUIRE(speed != std::string::npos);
-    log.replace(speed, 25, R"("velocity":[-0.6,0.0,9.1])");
+    log.replace(speed, velocity.size(), R"("velocity":[-0.8,0.0,12.1])");
     write_text(folder / "other.log", log);
     const Outcome replayed = run_brittle(folder, "replay " + folder / "other.log");
     INFO(replayed.output);

@@ -74,7 +74,19 @@ FractureOptions everything() {
                      .bond = {.brick = {0.3, 0.05, 1.0 / 3.0}, .along = 2},
                      .piece_limit = 900,
                      .anchors = {{{0.5, 1.0, 1.0 / 3.0}, 0.25}, {}},
-                     .shots = {{0.25, {1, 2, 3}, {4, 5, 6}, 0.5, 1000.0}, {}}};
+                     .shots = {{0.25, {1, 2, 3}, {4, 5, 6}, 0.5, 1000.0}, {}},
+                     .joints = {{.kind = physics::JointKind::distance,
+                                 .shot = 1,
+                                 .at = {0, 1, 0},
+                                 .to_piece = true,
+                                 .to = {0, 3, 1.0 / 3.0},
+                                 .axis = {1, 0, 0},
+                                 .min_length = 0.5,
+                                 .max_length = 2.5,
+                                 .max_force = 1e4,
+                                 .link_radius = 0.02},
+                                {.kind = physics::JointKind::hinge, .at = {1, 1, 1}},
+                                {.to = {0, 1, 0}, .links = 7}}};
     options.strikes = {{{0.1, 0.2, 1.0 / 3.0}, {0.0, 1.0, 0.0}, 0.25, 9}, {}};
     options.picture = {.frames = 7,
                        .whole = true,
@@ -305,6 +317,24 @@ TEST_CASE("recipe: an unknown key or a bad value is named by its path, with what
     says(R"({"brittle": 1, "world": {"anchors": 1}})", "/world/anchors: expected a list");
     says(R"({"brittle": 1, "world": {"anchors": [{"radius": 0}]}})", "/world/anchors/0/radius: expected a number");
     says(R"({"brittle": 1, "world": {"anchors": [{"at": [0, 0, 0], "size": 1}]}})", "/world/anchors/0");
+    says(R"({"brittle": 1, "world": {"joints": {}}})", "/world/joints: expected a list");
+    says(R"({"brittle": 1, "world": {"joints": [{"kind": "glue"}]}})",
+         "/world/joints/0/kind: expected \"ball\", \"hinge\" or \"distance\", found \"glue\"");
+    says(R"({"brittle": 1, "world": {"joints": [{"kind": "ball"}, {"at": [1, 0, 0]}, {"at": [0, 0, 0]}]}})",
+         "/world/joints/2/to: is where \"at\" is");
+    says(R"({"brittle": 1, "world": {"joints": [{"kind": "hinge", "axis": [0, 0, 0]}]}})",
+         "/world/joints/0/axis: expected a direction");
+    says(R"({"brittle": 1, "world": {"joints": [{"to": [0, 1, 0], "min_length": 2, "max_length": 1}]}})",
+         "/world/joints/0/max_length: is below min_length");
+    says(R"({"brittle": 1, "world": {"joints": [{"kind": "ball", "links": 3}]}})",
+         "/world/joints/0/links: only a distance joint has links");
+    says(R"({"brittle": 1, "world": {"joints": [{"to": [0, 1, 0], "max_length": 2, "links": 3}]}})",
+         "/world/joints/0/links: a chain is as long as its ends are apart");
+    says(R"({"brittle": 1, "world": {"joints": [{"to": [0, 1, 0], "shot": -1}]}})",
+         "/world/joints/0/shot: expected a whole number");
+    says(R"({"brittle": 1, "world": {"joints": [{"to": [0, 1, 0], "max_force": -1}]}})",
+         "/world/joints/0/max_force: expected a number");
+    says(R"({"brittle": 1, "world": {"joints": [{"to": [0, 1, 0], "rope": 1}]}})", "/world/joints/0/rope: unknown key");
     says(R"({"brittle": 1, "pattern": 7})", "/pattern: expected an object { }, found 7");
     says(R"({"brittle": 1, "repair": "yes"})", "/repair: expected true or false");
     says(R"({"brittle": 1, "algorithm": "fast"})", "/algorithm: expected \"exact\" or \"sequential\"");
@@ -419,6 +449,11 @@ TEST_CASE("recipe: the schema lists exactly the keys that are written and read")
     const auto& of_anchor = schema["properties"]["world"]["properties"]["anchors"]["items"]["properties"];
     for (const auto& [key, value] : of_anchor.items()) CHECK(all["world"]["anchors"][0].contains(key));
     for (const auto& [key, value] : all["world"]["anchors"][0].items()) CHECK(of_anchor.contains(key));
+    const auto& of_joint = schema["properties"]["world"]["properties"]["joints"]["items"]["properties"];
+    const auto& joints = all["world"]["joints"];
+    for (const auto& [key, value] : of_joint.items()) CHECK((joints[0].contains(key) || joints[2].contains(key)));
+    for (const auto& joint : joints)
+        for (const auto& [key, value] : joint.items()) CHECK(of_joint.contains(key));
     const auto& of_brick = schema["properties"]["world"]["properties"]["brick"]["properties"];
     for (const auto& [key, value] : of_brick.items()) CHECK(all["world"]["brick"].contains(key));
     for (const auto& [key, value] : all["world"]["brick"].items()) CHECK(of_brick.contains(key));

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <limits>
 #include <numeric>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -12,6 +13,8 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
+#include "physics/cutting/contact_blows.h"
+#include "physics/cutting/destruction.h"
 #include "tests/tools/scenes.h"
 #include "tools/brittle/run/simulation.h"
 
@@ -40,19 +43,17 @@ struct Books : SimulationObserver {
 
 // The same with fixed bodies. A cut may take back impulses that the fixed world gave to a striker, and no others. So
 // each update changes the sum by impulses along the lines of those contacts, through their points on the striker, and
-// no more than the contacts of one blow gave. Each blow has two lines, of its normal and its friction impulse. Four
+// no more than one blow (contact_blows.h) gave. Each blow has two lines, of its normal and its friction impulse. Four
 // lines suffice: one cut may return two blows, the one that caused it and one that waited.
 struct HeldBooks : SimulationObserver {
     using Wrench = std::array<double, 6>;      // momentum and angular momentum
-    static constexpr uint64_t kept_steps = 16; // four of a blow, two to a commit, and as many again for those that wait
+    static constexpr uint64_t kept_steps = 16; // two from the end of a blow to its commit, and more for those that wait
 
     struct Line {
-        physics::BodyId striker, other;
-        bool friction = false; // friction, or normal impulse
-        uint64_t last = 0;     // step
-        glm::dvec3 gave{0.0};  // N s, impulse of the world on the striker
-        glm::dvec3 arm{0.0};   // m, from the striker's centre of mass, weighted by impulse
-        double pressed = 0.0;
+        physics::BodyId striker;
+        uint64_t last = 0;    // step in which the blow ended
+        glm::dvec3 gave{0.0}; // N s, impulse of the world on the striker
+        glm::dvec3 arm{0.0};  // m, from the striker's centre of mass, weighted by impulse
         double taken_back = 0.0;
         Wrench unit{}; // current direction
     };
@@ -65,6 +66,7 @@ struct HeldBooks : SimulationObserver {
     static constexpr size_t max_lines = 4; // six lines could explain any change
     static constexpr double explained = 1e-5;
 
+    physics::BlowTracker blows; // on fixed bodies
     std::vector<Line> lines;
     physics::Mechanics before;
     double momentum = 0.0, turn = 0.0;        // sums over all bodies
@@ -81,25 +83,14 @@ struct HeldBooks : SimulationObserver {
     void moved(const Simulation& simulation) override {
         const physics::World& world = simulation.world();
         before = world.mechanics();
-        for (const physics::Contact& contact : world.contacts()) {
-            const bool a = moves(world, contact.a), b = moves(world, contact.b);
-            const physics::BodyId other = a ? contact.b : contact.a, striker = a ? contact.a : contact.b;
-            if (a == b || !world.contains(other) || !(contact.speed > 0.5f && contact.impulse > 0.0f)) continue;
-            for (const bool friction : {false, true}) {
-                auto line = std::ranges::find_if(lines, [&](const Line& known) {
-                    return known.striker == striker && known.other == other && known.friction == friction
-                           && known.last + 1 >= simulation.steps();
-                });
-                if (line == lines.end())
-                    line = lines.insert(lines.end(), Line{.striker = striker, .other = other, .friction = friction});
-                const auto impulse = static_cast<double>(contact.impulse);
-                line->last = simulation.steps();
-                line->gave +=
-                    (a ? 1.0 : -1.0) * glm::dvec3(friction ? contact.friction : contact.impulse * contact.normal);
-                line->pressed += impulse;
-                line->arm += (glm::dvec3(contact.point - world.previous_pose(striker).position) - line->arm)
-                             * (impulse / line->pressed);
-            }
+        const auto fixed = [&](physics::BodyId body) { return world.contains(body) && world.fixed(body); };
+        for (const physics::BodyBlow& blow : blows.update(world, physics::BreakableDesc{}.impact_speed, fixed)) {
+            if (!moves(world, blow.other)) continue;
+            for (const glm::vec3& on_fixed : {blow.impulse * blow.normal, blow.friction})
+                lines.push_back({.striker = blow.other,
+                                 .last = simulation.steps(),
+                                 .gave = -glm::dvec3(on_fixed),
+                                 .arm = glm::dvec3(blow.arm)});
         }
         std::erase_if(lines, [&](const Line& line) {
             return line.last + kept_steps < simulation.steps() || !world.contains(line.striker)
@@ -209,8 +200,11 @@ TEST_CASE("breakable: the statue breaks three levels deep into closed pieces tha
 
 namespace {
 
-using CutAnew = std::tuple<scene::glass_pane_shot_by_a_ball, scene::pane_hangs_by_its_corners,
-                           scene::statue_broken_three_levels_deep>;
+using CutAnew =
+    std::tuple<scene::door_is_pushed_open, scene::drawbridge_loses_its_chain, scene::glass_pane_shot_by_a_ball,
+               scene::hanging_lamp_is_shot, scene::pane_hangs_by_its_corners, scene::statue_broken_three_levels_deep>;
+using CutAnewHeld = std::tuple<scene::glass_pane_shot_by_a_ball, scene::pane_hangs_by_its_corners,
+                               scene::statue_broken_three_levels_deep>;
 
 } // namespace
 
@@ -219,26 +213,33 @@ TEST_CASE_TEMPLATE_DEFINE("breakable: momentum and angular momentum are kept acr
     FractureOptions options = recipe_of<Scene>();
     options.world.anchored = false; // fixed parts would pass momentum to the ground
     options.world.anchors.clear();
-    options.world.height = 0.0;
+    if (options.world.joints.empty()) options.world.height = 0.0;
     Simulation simulation(options.material);
     Books books;
     simulation.observe(&books);
     simulation.start(started(options), options.world);
     while (simulation.steps() < 2 * options.picture.frames) simulation.step();
     MESSAGE(books.cuts, " cuts, worst ", books.worst);
-    CHECK(books.cuts > 3);
+    if (std::is_same_v<Scene, scene::door_is_pushed_open>)
+        CHECK(books.cuts == 0); // its blow is too weak: the sums check a door that turns
+    else if (std::is_same_v<Scene, scene::drawbridge_loses_its_chain>)
+        CHECK(books.cuts > 0); // breaks when it hits the ground
+    else
+        CHECK(books.cuts > 3);
     CHECK(books.worst < 1e-4);
 }
 TEST_CASE_TEMPLATE_APPLY(momentum_of_cuts, CutAnew);
 
 TEST_CASE("breakable: every breakable scene has a momentum test") {
     CHECK(names_of<CutAnew>() == scenes_where([](const FractureOptions& options) { return options.world.breakable; }));
+    CHECK(names_of<CutAnewHeld>() == scenes_where([](const FractureOptions& options) {
+              return options.world.breakable && (options.world.anchored || !options.world.anchors.empty());
+          }));
 }
 
 TEST_CASE_TEMPLATE_DEFINE("breakable: with fixed parts, cuts return at most the impulses of their blows, to 1e-4",
                           Scene, momentum_of_held) {
     const FractureOptions options = recipe_of<Scene>();
-    REQUIRE((options.world.anchored || !options.world.anchors.empty()));
     Simulation simulation(options.material);
     HeldBooks books;
     simulation.observe(&books);
@@ -254,4 +255,4 @@ TEST_CASE_TEMPLATE_DEFINE("breakable: with fixed parts, cuts return at most the 
     CHECK(books.updates[1] > 0); // otherwise the test would have tested nothing
     CHECK(books.returned > 0.0);
 }
-TEST_CASE_TEMPLATE_APPLY(momentum_of_held, CutAnew);
+TEST_CASE_TEMPLATE_APPLY(momentum_of_held, CutAnewHeld);

@@ -7,10 +7,12 @@
 #include <utility>
 #include <vector>
 
+#include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 
 #include "fracture/io/atomic_file.h"
 #include "fracture/io/text_cursor.h"
+#include "physics/world/joint.h"
 #include "tools/brittle/base/failure.h"
 #include "tools/brittle/recipe/json_reader.h"
 
@@ -96,6 +98,22 @@ Json brick_json(const physics::RunningBond& bond) {
     return {{"size", vector_json(exchanged(bond.brick, bond.along))}, {"along", axes[bond.along]}};
 }
 
+Json joint_json(const JointOptions& joint) {
+    const JointOptions plain;
+    Json json{{"kind", physics::to_string(joint.kind)}};
+    if (joint.shot) json["shot"] = *joint.shot;
+    if (joint.at != plain.at) json["at"] = vector_json(joint.at);
+    if (joint.to_piece) json["to_piece"] = true;
+    if (joint.to != plain.to) json["to"] = vector_json(joint.to);
+    if (joint.axis != plain.axis) json["axis"] = vector_json(joint.axis);
+    if (joint.min_length != plain.min_length) json["min_length"] = joint.min_length;
+    if (joint.max_length) json["max_length"] = *joint.max_length;
+    if (joint.max_force != plain.max_force) json["max_force"] = joint.max_force;
+    if (joint.links != plain.links) json["links"] = joint.links;
+    if (joint.link_radius != plain.link_radius) json["link_radius"] = joint.link_radius;
+    return json;
+}
+
 Json world_json(const WorldOptions& world) {
     const WorldOptions plain;
     Json json = Json::object();
@@ -120,6 +138,7 @@ Json world_json(const WorldOptions& world) {
                                  {"velocity", vector_json(shot.velocity)},
                                  {"radius", shot.radius},
                                  {"density", shot.density}});
+    for (const JointOptions& joint : world.joints) json["joints"].push_back(joint_json(joint));
     return json;
 }
 
@@ -290,6 +309,55 @@ void read_engine(JsonReader& reader, physics::EngineKind& engine) {
     engine = name == "bullet" ? physics::EngineKind::bullet : physics::EngineKind::solver;
 }
 
+physics::JointKind joint_kind(JsonReader& reader) {
+    std::string name = physics::to_string(JointOptions{}.kind);
+    reader.text("kind", name);
+    for (const physics::JointKind kind :
+         {physics::JointKind::ball, physics::JointKind::hinge, physics::JointKind::distance})
+        if (name == physics::to_string(kind)) return kind;
+    throw reader.failure("kind", "expected \"ball\", \"hinge\" or \"distance\", found " + shown(name));
+}
+
+void read_joint(JsonReader& reader, JointOptions& joint) {
+    constexpr double longest = 1000.0; // m
+    joint.kind = joint_kind(reader);
+    if (reader.find("shot")) reader.whole("shot", joint.shot.emplace(), 0, 100'000);
+    reader.vector("at", joint.at);
+    reader.flag("to_piece", joint.to_piece);
+    reader.vector("to", joint.to);
+    reader.vector("axis", joint.axis);
+    reader.number("min_length", joint.min_length, 0.0, longest);
+    if (reader.find("max_length")) reader.number("max_length", joint.max_length.emplace(), 0.001, longest);
+    reader.number("max_force", joint.max_force, 0.0, 1e12);
+    reader.whole("links", joint.links, 0, max_links);
+    reader.number("link_radius", joint.link_radius, 0.001, 1.0);
+    if (joint.kind == physics::JointKind::hinge && glm::length(joint.axis) < 1e-6)
+        throw reader.failure("axis",
+                             "expected a direction, such as [0, 1, 0], found " + shown(vector_json(joint.axis)));
+    if (joint.max_length && *joint.max_length < joint.min_length)
+        throw reader.failure("max_length", "is below min_length, " + std::to_string(joint.min_length) + " m");
+    if (joint.links > 0 && joint.kind != physics::JointKind::distance)
+        throw reader.failure("links", "only a distance joint has links; give \"kind\": \"distance\"");
+    if (joint.links > 0 && (joint.max_length || joint.min_length > 0.0))
+        throw reader.failure("links", "a chain is as long as its ends are apart; leave min_length and max_length out");
+    if (joint.kind == physics::JointKind::distance && !joint.shot && glm::length(joint.to - joint.at) < 0.001)
+        throw reader.failure("to", "is where \"at\" is; give the other end of the joint");
+}
+
+void read_joints(const std::filesystem::path& file, const std::string& path, JsonReader& reader,
+                 std::vector<JointOptions>& joints) {
+    const Json* all = reader.find("joints");
+    if (!all) return;
+    if (!all->is_array() || all->size() > max_joints)
+        reader.fail("joints", "a list [{ }, ...] of at most " + std::to_string(max_joints) + " joints", *all);
+    joints.clear();
+    for (size_t k = 0; k < all->size(); ++k) {
+        JsonReader inner(file, (*all)[k], path + "/joints/" + std::to_string(k));
+        read_joint(inner, joints.emplace_back());
+        inner.refuse_unknown_keys();
+    }
+}
+
 void read_world(const std::filesystem::path& file, const std::string& path, JsonReader& reader, WorldOptions& world) {
     read_engine(reader, world.engine);
     reader.flag("bonded", world.bonded);
@@ -308,6 +376,7 @@ void read_world(const std::filesystem::path& file, const std::string& path, Json
     }
     reader.whole("piece_limit", world.piece_limit, 1, 1'000'000);
     read_anchors(file, path, reader, world.anchors);
+    read_joints(file, path, reader, world.joints);
     const Json* shots = reader.find("shots");
     if (!shots) return;
     if (!shots->is_array()) reader.fail("shots", "a list [{ }, ...]", *shots);

@@ -18,6 +18,8 @@ inline constexpr uint32_t max_group = 1'000'000; // maximum number of a group of
 inline constexpr double max_weight = 1e12;       // m^2, maximum weight of a site; its negative is the minimum
 inline constexpr size_t max_points = 10'000;
 
+inline constexpr size_t max_joints = 1000;  // of a recipe
+inline constexpr uint32_t max_links = 1000; // of a joint
 inline constexpr size_t max_anchors = 1000; // maximum number of anchors; every piece is compared with each of them
 
 // Returns the options as the text of a recipe, with paths as they are in the options.

@@ -33,6 +33,30 @@ struct Anchor {
     friend bool operator==(const Anchor&, const Anchor&) = default;
 };
 
+// A joint of a piece or of a shot ball, with the world or with another piece (physics/world/joint.h). Points are
+// relative to the foot of the mesh, as those of anchors.
+struct JointOptions {
+    physics::JointKind kind = physics::JointKind::distance;
+    // The ball that is shot as the first (0), second ... of the run; the joint comes with it, at its centre. Nothing:
+    // the piece that is nearest to `at`.
+    std::optional<uint32_t> shot{};
+    glm::dvec3 at{0.0};
+    // The other side: the world, or the piece that is nearest to `to` (`at` for other kinds than distance) among those
+    // of other bodies.
+    bool to_piece = false;
+    glm::dvec3 to{0.0};                 // the other anchor of a distance joint
+    glm::dvec3 axis{0.0, 1.0, 0.0};     // of a hinge
+    double min_length = 0.0;            // m
+    std::optional<double> max_length{}; // m; empty: the distance at the start
+    double max_force = 0.0;             // N; 0: it never breaks
+    // A distance joint as a chain of balls, each jointed to the next, that collide and can be shot. It is as long as
+    // its ends are apart at the start. From a shot ball it hangs at the surface.
+    uint32_t links = 0;
+    double link_radius = 0.03; // m
+
+    friend bool operator==(const JointOptions&, const JointOptions&) = default;
+};
+
 // Cuts of blows in a world that starts whole: by the kind of a pattern, or along a given diagram. The diagram is fitted
 // to the box of each piece that is hit, turned about Y by the seed of the blow, and then placed
 // (physics::ImpactPattern).
@@ -66,6 +90,7 @@ struct WorldOptions {
     uint64_t seed = 1;                  // seed of the cuts of blows; set by world_of()
     std::optional<BlowPattern> blows{}; // set by world_of(); empty: as the material breaks
     std::vector<Shot> shots{};
+    std::vector<JointOptions> joints{};
 };
 
 // Returns the height of the mesh's foot above the ground, m.

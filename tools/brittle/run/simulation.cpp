@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <numbers>
 
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
@@ -11,7 +10,6 @@
 #include "engine/render/scene.h"
 #include "engine/render/view_volume.h"
 #include "fracture/mesh/mass_properties.h"
-#include "fracture/shapes/shapes.h"
 #include "physics/bonds/anchor.h"
 #include "physics/world/pieces.h"
 #include "physics/world/state_hash.h"
@@ -30,12 +28,19 @@ constexpr float grab_rate = 10.0f;          // 1/s, approach speed by distance; 
 constexpr float grab_acceleration = 150.0f; // m/s^2, limit; below it, pieces that hang from a fast hand are lost
 constexpr float grab_damping = 4.0f;        // 1/s, of angular velocity
 
+constexpr int shot_detail = 1;         // subdivisions of the icosahedron of a ball that is shot
 constexpr double anchor_height = 0.01; // m above the ground: WorldOptions::anchored holds pieces that reach below it
 constexpr double anchor_depth = 1.0;   // m below the ground, the lower end of that region
 [[maybe_unused]] constexpr size_t any_number = UINT32_MAX; // accepts numbers of pieces that do not exist yet
 
 double hammer_energy(double impulse) {
     return 0.5 * impulse * impulse / hammer_mass;
+}
+
+// N. A hammer of one kilogram stops within impact_seconds.
+double hammer_force(double impulse) {
+    static_assert(hammer_mass == 1.0);
+    return impulse / static_cast<double>(physics::impact_seconds);
 }
 
 physics::Material plain_material(const physics::MaterialPreset* preset) {
@@ -125,6 +130,8 @@ void Simulation::clear() {
     balls_.clear();
     scheduled_.clear();
     grabbed_.reset();
+    shot_joints_.clear();
+    shots_ = 0;
     pieces_ = 0;
 }
 
@@ -150,6 +157,7 @@ void Simulation::start(const fracture::Fragments& fragments, const WorldOptions&
         loose_ = must(physics::add_pieces(world_, fragments, plain_material(material_), {}, ahead.hulls));
     }
     pieces_ = fragments.pieces.size();
+    start_joints(fragments, options);
     if (observer_) observer_->started(*this, fragments, options);
     for (const Shot& shot : options.shots)
         schedule(static_cast<uint64_t>(std::llround(shot.time / static_cast<double>(world_.settings().step))),
@@ -227,6 +235,7 @@ void Simulation::visit_poses(float alpha, uint64_t since, const PoseVisitor& vis
 uint64_t Simulation::state_hash() const {
     physics::StateHash hash;
     hash.add(world_.state_hash());
+    for (const physics::JointId joint : world_.joints()) hash.add(joint.value);
     if (structure_) hash.add(structure_->state_hash());
     if (destruction_) hash.add(destruction_->state_hash());
     return hash.value();
@@ -282,19 +291,8 @@ bool Simulation::is_bonded(uint32_t piece) const {
 }
 
 void Simulation::act(const Shoot& shot) {
-    // A ball of few, evenly spread vertices. A hull of vertices selected from a finer ball has flat spots, which make
-    // it spin on impact.
-    const fracture::TriangleMesh ball = fracture::icosphere(1, shot.radius);
-    const double mass = shot.density * 4.0 / 3.0 * std::numbers::pi * shot.radius * shot.radius * shot.radius;
-    const auto inertia = static_cast<float>(0.4 * mass * shot.radius * shot.radius);
-    balls_.push_back(
-        {must(world_.add_body({.hull = physics::collision_hull(ball.positions, glm::dvec3(0.0), {.max_vertices = 64}),
-                               .large = true,
-                               .mass = static_cast<float>(mass),
-                               .inertia = glm::mat3(inertia),
-                               .pose = {.position = glm::vec3(shot.from)},
-                               .linear_velocity = glm::vec3(shot.velocity)})),
-         static_cast<float>(shot.radius)});
+    add_ball(shot.from, shot.velocity, shot.radius, shot.density, shot_detail);
+    join_shot(shot.from);
 }
 
 void Simulation::act(const Damage& damage) {
@@ -313,17 +311,16 @@ void Simulation::act(const Hammer& blow) {
     if (body_of(blow.piece) == BodyId{}) return;
     if (is_bonded(blow.piece)) bonded()->blow(world_, blow.piece, glm::vec3(blow.impulse));
     const double impulse = glm::length(blow.impulse);
-    if (!destruction_ || !(impulse > destruction_->solid({blow.piece})->bearable)) return;
+    if (!destruction_) return;
     destruction_->strike(world_, {blow.piece}, glm::vec3(blow.point), glm::vec3(blow.impulse / impulse),
-                         hammer_energy(impulse));
+                         hammer_energy(impulse), hammer_force(impulse));
 }
 
 std::optional<physics::PlannedCut> Simulation::foresee(const Hammer& blow) const {
     const double impulse = glm::length(blow.impulse);
-    if (!destruction_ || body_of(blow.piece) == BodyId{} || !(impulse > destruction_->solid({blow.piece})->bearable))
-        return std::nullopt;
+    if (!destruction_ || body_of(blow.piece) == BodyId{}) return std::nullopt;
     return destruction_->foresee(world_, {blow.piece}, glm::vec3(blow.point), glm::vec3(blow.impulse / impulse),
-                                 hammer_energy(impulse));
+                                 hammer_energy(impulse), hammer_force(impulse));
 }
 
 void Simulation::act(const Release& release) {

@@ -34,6 +34,7 @@
 #include "physics/cutting/solid_piece.h"
 #include "physics/material.h"
 #include "physics/world/hull.h"
+#include "physics/world/joint.h"
 #include "physics/world/world.h"
 #include "tools/brittle/recipe/world_options.h"
 #include "tools/brittle/run/action.h"
@@ -82,8 +83,8 @@ class Simulation {
     void commit_as(physics::Timing timing, std::vector<physics::Commit> script = {});
 
     // Starts a new run from the fragments' places, at step 0, and clears the previous run. The options decide on bonds,
-    // anchors and breakability, and their shots are scheduled. `ahead` is the result of prepare_bodies() for these
-    // fragments and options. Throws a Failure for a piece that cannot be a body.
+    // anchors, joints and breakability, and their shots are scheduled. `ahead` is the result of prepare_bodies() for
+    // these fragments and options. Throws a Failure for a piece that cannot be a body.
     void start(const fracture::Fragments& fragments, const WorldOptions& options, PreparedBodies ahead);
     void start(const fracture::Fragments& fragments, const WorldOptions& options);
     // Empties the world; the observer stays.
@@ -128,6 +129,7 @@ class Simulation {
         physics::BodyId body;
         float radius; // m
     };
+    // Balls that were shot, and the links of chains.
     [[nodiscard]] std::span<const Ball> balls() const { return balls_; }
 
     // Hash of bodies, bonds and jobs; equal in equal runs.
@@ -144,6 +146,19 @@ class Simulation {
         glm::dvec3 local; // m, the grabbed point, from the piece's centre of mass in its axes
         glm::dvec3 to;    // m, position of the hand
     };
+
+    // A joint with its points in the world, and the pieces that it joins.
+    struct PlacedJoint {
+        JointOptions options;
+        std::optional<uint32_t> a{}, b{}; // none: a ball; the world
+    };
+    void start_joints(const fracture::Fragments& fragments, const WorldOptions& options);
+    void join(const PlacedJoint& joint, physics::BodyId a);
+    void join_shot(const glm::dvec3& at);
+    [[nodiscard]] std::optional<uint32_t> nearest_piece(const fracture::Fragments& fragments, const glm::dvec3& at,
+                                                        physics::BodyId not_of) const;
+    physics::BodyId add_ball(const glm::dvec3& at, const glm::dvec3& velocity, double radius, double density,
+                             int detail);
 
     [[nodiscard]] physics::Structure* bonded();
     [[nodiscard]] bool is_bonded(uint32_t piece) const;
@@ -175,6 +190,8 @@ class Simulation {
     physics::ObjectId object_; // the first object of the destruction; bonded pieces are its only one
     size_t pieces_ = 0;
     std::vector<Ball> balls_;
+    std::vector<PlacedJoint> shot_joints_;               // of balls to come
+    uint32_t shots_ = 0;                                 // balls that were shot
     std::vector<std::pair<uint64_t, Action>> scheduled_; // ordered by step, then by call
     std::optional<Grabbed> grabbed_;
     SimulationObserver* observer_ = nullptr;

@@ -110,7 +110,8 @@ Hammer hammer_blow(const Simulation& simulation, const PieceHit& hit, const glm:
     const physics::MaterialPreset* preset = simulation.material();
     const double energy =
         physics::energy_of(radius, preset ? preset->material : physics::Material{}, solid.mass.volume, max_pieces);
-    const double impulse = std::max(std::sqrt(2.0 * hammer_mass * energy), min_blow * solid.bearable);
+    const double impulse = std::max(std::sqrt(2.0 * hammer_mass * energy),
+                                    min_blow * solid.bearable * static_cast<double>(physics::impact_seconds));
     return {hit.piece, place_of(simulation, hit), impulse * direction};
 }
 
