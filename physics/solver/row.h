@@ -59,6 +59,11 @@ struct Row {
     uint32_t a, b;                        // indices of solver bodies; b is unset if it is static
 };
 
+// A packed vector of a row.
+inline glm::vec3 vec3_of(const float* packed) {
+    return {packed[0], packed[1], packed[2]};
+}
+
 // The friction of a contact: two rows along tangents t_1 and t_2. Their effective mass is the inverse of the symmetric
 // 2 x 2 matrix K with K_ij = J_i M^-1 J_j^T. One iteration with w = -(J v + J dv), the sliding velocity reversed:
 //     lambda' = lambda + K^-1 w                     if that is inside the cone, and otherwise

@@ -204,11 +204,11 @@ TEST_CASE("lone bodies: sixteen side by side equal each body solved alone, bit f
     size_t still = 0;
     int energies = 0;
     for (uint64_t seed = 10; seed < 20; ++seed) { // some overlap
-        const Seen seen = check(seed, 150, 0.002, 0.01, steps);
+        const Seen seen = check(seed, 400, 0.002, 0.01, steps);
         CHECK(seen.pushed);
         CHECK(seen.bounced);
         CHECK(seen.limited > 10);
-        CHECK(seen.kept > 3);
+        CHECK(seen.kept > 10);
         CHECK(seen.blows > 3);
         energies += seen.energies;
         still += seen.still;
