@@ -234,9 +234,8 @@ Outcome run_fall(const Options& options) {
     Run run(scene, options, 10.0);
     run.steps(run.seconds);
     const double depth = -run.place(0).y, theory = 0.5 * earth_gravity * run.seconds * run.seconds;
-    // In single precision, 1,200 roundings of a speed of up to 98 m/s add up to millimetres.
-    return {text("%.3f m in %g s, %+.4f m", depth, run.seconds, depth - theory), text("%.3f m, within 5 mm", theory),
-            std::abs(depth - theory) < 5e-3};
+    return {text("%.3f m in %g s, %+.4f m", depth, run.seconds, depth - theory), text("%.3f m, within 1 mm", theory),
+            std::abs(depth - theory) <= 1e-3};
 }
 
 Outcome run_pile(const Options& options, uint32_t sites) {
