@@ -5,9 +5,9 @@
 #include <bit>
 #include <cmath>
 #include <span>
-#include <utility>
 #include <vector>
 
+#include "physics/solver/bearing_points.h"
 #include "physics/solver/body.h"
 #include "physics/solver/float4.h"
 #include "physics/solver/hull_shape.h"
@@ -39,37 +39,12 @@ struct Corner {
     int index;
 };
 
-// Swaps the corner with the highest score among corners[place] and later ones to `place`; the first of several.
-void take(std::vector<Corner>& corners, size_t place, const auto& score) {
-    size_t best = place;
-    float most = score(corners[place]);
-    for (size_t i = place + 1; i < corners.size(); ++i) {
-        const float own = score(corners[i]);
-        if (most < own) {
-            most = own;
-            best = i;
-        }
-    }
-    std::swap(corners[place], corners[best]);
-}
-
-// Moves the corners that carry the body best to the front: the one that comes down deepest, the one farthest from it,
-// the one farthest from the line through both, and the one farthest on that line's other side.
-void find_carrying(std::vector<Corner>& corners) {
-    take(corners, 0, [](const Corner& c) { return -c.ahead; });
-    const glm::vec3 first = corners[0].position;
-    take(corners, 1, [&](const Corner& c) { return length_squared(c.position - first); });
-    const glm::vec3 line = corners[1].position - first;
-    const auto side = [&](const Corner& c) { return glm::cross(line, c.position - first).y; };
-    take(corners, 2, [&](const Corner& c) { return std::abs(side(c)); });
-    const float sign = side(corners[2]) > 0.0f ? -1.0f : 1.0f;
-    take(corners, 3, [&](const Corner& c) { return sign * side(c); });
-}
-
 // Keeps the carrying corners, and of the corners that would sink those farthest from all kept ones.
 void keep_best(std::vector<Corner>& corners) {
     if (corners.size() <= carrying_corners) return;
-    find_carrying(corners);
+    find_bearing(
+        std::span(corners), [](const Corner& c) { return -c.ahead; }, [](const Corner& c) { return c.position; },
+        [](const Corner&) { return glm::vec3(0, 1, 0); });
     const auto others = corners.begin() + carrying_corners;
     corners.erase(std::remove_if(others, corners.end(), [](const Corner& c) { return c.ahead > -sunk_depth; }),
                   corners.end());
@@ -81,7 +56,7 @@ void keep_best(std::vector<Corner>& corners) {
     for (size_t i = 0; i < carrying_corners; ++i) keep_away(corners[i].position, carrying_corners);
     const size_t kept = std::min(corners.size(), max_corners);
     for (size_t place = carrying_corners; place < kept; ++place) {
-        take(corners, place, [](const Corner& c) { return c.apart; });
+        take_best(std::span(corners), place, [](const Corner& c) { return c.apart; });
         keep_away(corners[place].position, place + 1);
     }
     corners.resize(kept);

@@ -1,7 +1,8 @@
 #include "physics/solver/manifold.h"
 
 #include <algorithm>
-#include <cmath>
+
+#include "physics/solver/bearing_points.h"
 
 namespace brittle::physics {
 
@@ -9,33 +10,6 @@ namespace {
 
 // Distance at which a contact begins and ends, as a part of the body's rotation radius.
 constexpr float breaking_part = 0.02f;
-
-// Swaps the candidate with the highest score among candidates[place] and later ones to `place`; the first of several.
-void take(std::span<ContactPoint> candidates, size_t place, const auto& score) {
-    size_t best = place;
-    float most = score(candidates[place]);
-    for (size_t i = place + 1; i < candidates.size(); ++i) {
-        const float own = score(candidates[i]);
-        if (most < own) {
-            most = own;
-            best = i;
-        }
-    }
-    std::swap(candidates[place], candidates[best]);
-}
-
-// Moves four candidates that bear load best to the front: the deepest, the one farthest from it, the one farthest from
-// the line through both, and the one farthest on that line's other side.
-void find_bearing(std::span<ContactPoint> candidates) {
-    take(candidates, 0, [](const ContactPoint& p) { return -p.distance; });
-    const glm::vec3 first = candidates[0].on_b, normal = candidates[0].normal;
-    take(candidates, 1, [&](const ContactPoint& p) { return length_squared(p.on_b - first); });
-    const glm::vec3 line = candidates[1].on_b - first;
-    const auto side = [&](const ContactPoint& p) { return glm::dot(glm::cross(line, p.on_b - first), normal); };
-    take(candidates, 2, [&](const ContactPoint& p) { return std::abs(side(p)); });
-    const float sign = side(candidates[2]) > 0.0f ? -1.0f : 1.0f;
-    take(candidates, 3, [&](const ContactPoint& p) { return sign * side(p); });
-}
 
 } // namespace
 
@@ -59,7 +33,9 @@ ContactPoint Manifold::point_at(const glm::vec3& normal, const glm::vec3& on_b, 
 
 void Manifold::replace(std::span<ContactPoint> candidates) {
     if (candidates.size() > max_points) {
-        find_bearing(candidates);
+        find_bearing(
+            candidates, [](const ContactPoint& p) { return -p.distance; }, [](const ContactPoint& p) { return p.on_b; },
+            [](const ContactPoint& p) { return p.normal; });
         candidates = candidates.first(max_points);
     }
     std::array<bool, max_points> continued{};
