@@ -14,6 +14,7 @@
 #include "fracture/exact/exact.h"
 #include "fracture/fracture.h"
 #include "fracture/pieces/certificate.h"
+#include "tools/stress/check_union.h"
 
 namespace brittle::stress {
 
@@ -281,6 +282,7 @@ std::string difference_from_sequential(const Case& c, const Fragments& f) {
 } // namespace
 
 std::string complaint(const Case& c) {
+    if (std::string wrong = union_complaint(c); !wrong.empty()) return wrong;
     const auto run = [&](uint32_t threads) {
         return fracture::fracture(
             c.mesh, c.sites,

@@ -7,7 +7,7 @@
 
 namespace brittle::stress {
 
-// Fractures the case and returns the first check that fails, or an empty string. For pieces:
+// Unites the mesh (check_union.h), fractures the case and returns the first check that fails, or an empty string. For pieces:
 //  - every edge of a piece is used once in each direction, every vertex has one fan of triangles and is used;
 //  - signed volumes (in long double) sum to the input's, within the larger of 1e-12 of its absolute volume and the
 //    error of rounding coordinates to double (eps x largest coordinate x area); for positions rounded to float relative

@@ -1,0 +1,196 @@
+#include "fracture/unite/unite.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <numeric>
+#include <tuple>
+
+#include "fracture/doctor/mending/steps.h"
+#include "fracture/mesh/mass_properties.h"
+#include "fracture/unite/arrangement.h"
+#include "fracture/unite/facets.h"
+
+namespace brittle::fracture {
+namespace {
+
+using arrangement::Arrangement;
+using arrangement::Facet;
+
+// The rounding of new vertices can make triangles cross that are nearly in one plane. Another round unites these; hardly
+// any mesh needs more than two.
+constexpr uint32_t max_rounds = 8;
+// The most often that edges with equal ends are halved (mending::separate()).
+constexpr int max_separations = 16;
+
+bool is_solid(int winding) {
+    return winding > 0;
+}
+
+// Whether a facet bounds the region as a triangle of the input does.
+bool is_clean(const Facet& facet) {
+    return facet.multiplicity == 1 && facet.front == 0;
+}
+
+double inside_out_volume(const Arrangement& all, std::span<const Facet> facets) {
+    std::vector<glm::dvec3> positions;
+    std::vector<Triangle> triangles;
+    for (const Facet& facet : facets) {
+        if ((facet.front < 0) == (facet.back() < 0)) continue;
+        const auto first = static_cast<uint32_t>(positions.size());
+        for (int k = 0; k < 3; ++k) positions.push_back(all.points[facet.points[k]]);
+        triangles.push_back(facet.front < 0 ? Triangle(first, first + 2, first + 1)
+                                            : Triangle(first, first + 1, first + 2));
+    }
+    return std::max(signed_volume(positions, triangles), 0.0);
+}
+
+Triangle with_lowest_first(const Triangle& t) {
+    if (t.x < t.y && t.x < t.z) return t;
+    return t.y < t.z ? Triangle(t.y, t.z, t.x) : Triangle(t.z, t.x, t.y);
+}
+
+// Drops pairs of triangles that are each other's backs.
+void cancel_backs(std::vector<Triangle>& triangles, std::vector<uint32_t>& source) {
+    const auto corners = [](const Triangle& t) {
+        std::array<uint32_t, 3> c{t.x, t.y, t.z};
+        std::sort(c.begin(), c.end());
+        return c;
+    };
+    std::vector<uint32_t> order(triangles.size());
+    std::iota(order.begin(), order.end(), 0u);
+    std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
+        return std::tuple(corners(triangles[a]), a) < std::tuple(corners(triangles[b]), b);
+    });
+    std::vector<uint8_t> gone(triangles.size(), 0);
+    for (size_t k = 0; k < order.size(); ++k)
+        for (size_t j = k + 1; j < order.size() && corners(triangles[order[j]]) == corners(triangles[order[k]]); ++j)
+            if (!gone[order[k]] && !gone[order[j]]
+                && with_lowest_first(triangles[order[j]]) != with_lowest_first(triangles[order[k]]))
+                gone[order[k]] = gone[order[j]] = 1;
+    size_t kept = 0;
+    for (size_t t = 0; t < triangles.size(); ++t) {
+        if (gone[t]) continue;
+        triangles[kept] = triangles[t];
+        source[kept++] = source[t];
+    }
+    triangles.resize(kept);
+    source.resize(kept);
+}
+
+struct Boundary {
+    TriangleMesh mesh;
+    std::vector<uint32_t> source;
+    std::vector<uint8_t> is_fresh; // per triangle: not one of the arrangement's mesh
+};
+
+// Takes the facets that bound the region, with the region behind them.
+Boundary boundary_of(const Arrangement& all, std::span<const Facet> facets) {
+    std::vector<Triangle> triangles;
+    std::vector<uint32_t> source;
+    bool any_merged = false;
+    for (const Facet& facet : facets) {
+        if (is_solid(facet.front) == is_solid(facet.back())) continue;
+        const bool turned = is_solid(facet.front);
+        Triangle t(all.points.first_at(facet.points.x), all.points.first_at(facet.points.y),
+                   all.points.first_at(facet.points.z));
+        any_merged = any_merged || t != facet.points;
+        if (t.x == t.y || t.y == t.z || t.z == t.x) continue;
+        if (turned) std::swap(t.y, t.z);
+        triangles.push_back(t);
+        source.push_back(turned && facet.source[1] != no_index ? facet.source[1] : facet.source[0]);
+    }
+    if (any_merged) cancel_backs(triangles, source);
+    std::vector<uint32_t> index(all.points.size(), no_index);
+    for (const Triangle& t : triangles)
+        for (int k = 0; k < 3; ++k) index[t[k]] = 0;
+    TriangleMesh mesh;
+    for (uint32_t p = 0; p < index.size(); ++p) {
+        if (index[p] == no_index) continue;
+        index[p] = static_cast<uint32_t>(mesh.positions.size());
+        mesh.positions.push_back(all.points[p]);
+    }
+    for (const Triangle& t : triangles) mesh.triangles.push_back({index[t.x], index[t.y], index[t.z]});
+
+    mending::Work work(mesh);
+    for (int k = 0; k < max_separations && mending::separate(work); ++k) {
+    }
+    Boundary boundary{std::move(work.mesh), {}, {}};
+    for (const uint32_t t : work.source) {
+        boundary.source.push_back(source[t]);
+        boundary.is_fresh.push_back(work.report.halved_edges.count > 0 || all.cut_of[source[t]] != no_index ? 1 : 0);
+    }
+    return boundary;
+}
+
+void count_changes(const TriangleMesh& before, const United& united, UniteReport& report) {
+    std::vector<uint8_t> remains(before.triangles.size(), 0);
+    for (const uint32_t t : united.source_triangle) remains[t] = 1;
+    report.dropped_triangles = static_cast<uint32_t>(std::count(remains.begin(), remains.end(), 0));
+    const auto less = [](const glm::dvec3& a, const glm::dvec3& b) {
+        return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
+    };
+    std::vector<glm::dvec3> known = before.positions;
+    std::sort(known.begin(), known.end(), less);
+    for (const glm::dvec3& p : united.mesh.positions)
+        report.new_vertices += std::binary_search(known.begin(), known.end(), p, less) ? 0 : 1;
+}
+
+} // namespace
+
+United unite(const TriangleMesh& mesh, uint32_t thread_count) {
+    Threads threads(thread_count);
+    United united{mesh, {}, {}};
+    united.source_triangle.resize(mesh.triangles.size());
+    std::iota(united.source_triangle.begin(), united.source_triangle.end(), 0u);
+    UniteReport& report = united.report;
+    report.volume_before = report.volume_after = signed_volume(mesh.positions, mesh.triangles);
+    report.complete = false;
+    std::vector<uint8_t> is_fresh(mesh.triangles.size(), 1);
+    for (uint32_t round = 0; round < max_rounds && !report.complete; ++round) {
+        Arrangement all(united.mesh);
+        find_contacts(all, is_fresh, threads);
+        report.complete = round > 0 && all.cuts.empty();
+        if (report.complete) break;
+        divide_carriers(all);
+        const std::vector<arrangement::Part> parts = divide_triangles(all, threads);
+        const std::vector<Facet> facets = find_facets(all, parts, threads);
+        report.complete = std::all_of(facets.begin(), facets.end(), is_clean);
+        if (report.complete) break;
+        if (round == 0) {
+            report.inside_out = inside_out_volume(all, facets);
+            report.cut_triangles = static_cast<uint32_t>(all.cuts.size());
+        }
+        Boundary boundary = boundary_of(all, facets);
+        for (uint32_t& source : boundary.source) source = united.source_triangle[source];
+        united.mesh = std::move(boundary.mesh);
+        united.source_triangle = std::move(boundary.source);
+        is_fresh = std::move(boundary.is_fresh);
+        ++report.rounds;
+    }
+    if (!report.changed()) return united;
+    report.volume_after = signed_volume(united.mesh.positions, united.mesh.triangles);
+    count_changes(mesh, united, report);
+    return united;
+}
+
+std::string describe(const UniteReport& report) {
+    if (!report.changed()) return {};
+    char line[256];
+    std::string text;
+    std::snprintf(line, sizeof line,
+                  "parts united: volume %.6g m^3, before %.6g m^3 counted as often as the surface winds around it\n",
+                  report.volume_after, report.volume_before);
+    text += line;
+    std::snprintf(line, sizeof line, "%u triangles divided where they meet others, %u dropped, %u new vertices\n",
+                  report.cut_triangles, report.dropped_triangles, report.new_vertices);
+    text += line;
+    if (report.inside_out > 1e-9 * std::abs(report.volume_before)) {
+        std::snprintf(line, sizeof line, "%.6g m^3 that the surface encloses inside out dropped\n", report.inside_out);
+        text += line;
+    }
+    if (!report.complete) text += "triangles still cross, because rounding moved new vertices: unite once more\n";
+    return text;
+}
+
+} // namespace brittle::fracture
