@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <limits>
 
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
+
+#include "fracture/pieces/attributes.h"
 
 namespace brittle::fracture {
 
@@ -60,6 +63,21 @@ bool is_turned(const std::array<uint32_t, 3>& order) {
     return (order[0] + 1) % 3 != order[1];
 }
 
+// Gives each corner the mean of the old corners, by the weights.
+template<class T>
+void interpolate(std::vector<T>& list, std::span<const glm::dvec3> weights, std::span<const uint32_t> source) {
+    if (list.empty()) return;
+    std::vector<T> result;
+    result.reserve(weights.size());
+    for (size_t corner = 0; corner < weights.size(); ++corner) {
+        const T* of = &list[3 * size_t{source[corner / 3]}];
+        const glm::vec3 w(weights[corner]);
+        const int whole = w.x == 1.0f ? 0 : (w.y == 1.0f ? 1 : (w.z == 1.0f ? 2 : -1));
+        result.push_back(whole >= 0 ? of[whole] : w.x * of[0] + w.y * of[1] + w.z * of[2]);
+    }
+    list = std::move(result);
+}
+
 } // namespace
 
 void append_triangle(Model& model, const Triangle& triangle, uint32_t material,
@@ -107,6 +125,34 @@ void replace_mesh(Model& model, TriangleMesh mesh, std::span<const uint32_t> sou
     if (!model.normals.empty())
         for (const size_t t : turned)
             for (size_t k = 0; k < 3; ++k) model.normals[3 * t + k] = -model.normals[3 * t + k];
+    model.mesh = std::move(mesh);
+}
+
+void divide_mesh(Model& model, TriangleMesh mesh, std::span<const uint32_t> source) {
+    std::vector<glm::dvec3> weights;
+    std::vector<uint8_t> turned; // per triangle: whether it looks the other way
+    for (size_t t = 0; t < mesh.triangles.size(); ++t) {
+        const auto corners = [](const TriangleMesh& of, const Triangle& c) {
+            return std::array{of.positions[c.x], of.positions[c.y], of.positions[c.z]};
+        };
+        const auto part = corners(mesh, mesh.triangles[t]),
+                   whole = corners(model.mesh, model.mesh.triangles[source[t]]);
+        for (const glm::dvec3& p : part) weights.push_back(barycentrics(whole, p));
+        turned.push_back(glm::dot(glm::cross(part[1] - part[0], part[2] - part[0]),
+                                  glm::cross(whole[1] - whole[0], whole[2] - whole[0]))
+                         < 0.0);
+    }
+    for (auto& set : model.uv) interpolate(set, weights, source);
+    interpolate(model.normals, weights, source);
+    interpolate(model.colours, weights, source);
+    rearrange(model.material_of, source, no_material);
+    for (size_t corner = 0; corner < model.normals.size(); ++corner) {
+        glm::vec3& normal = model.normals[corner];
+        const float length = glm::length(normal);
+        const bool is_old = glm::max(weights[corner].x, glm::max(weights[corner].y, weights[corner].z)) == 1.0;
+        if (!is_old && length > 0.0f) normal /= length;
+        if (turned[corner / 3]) normal = -normal;
+    }
     model.mesh = std::move(mesh);
 }
 

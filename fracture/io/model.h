@@ -107,4 +107,8 @@ void keep_triangles(Model& model, TriangleMesh mesh, std::span<const uint32_t> k
 constexpr uint32_t no_source = ~0u;
 void replace_mesh(Model& model, TriangleMesh mesh, std::span<const uint32_t> source);
 
+// Replaces the mesh by one whose triangles are parts of the old ones, which `source` names. Corners take interpolated
+// attributes; a corner of the old triangle keeps its own, bit for bit.
+void divide_mesh(Model& model, TriangleMesh mesh, std::span<const uint32_t> source);
+
 } // namespace brittle::fracture

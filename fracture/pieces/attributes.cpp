@@ -39,20 +39,6 @@ glm::dvec3 along_longest_side(const glm::dvec3& p, const std::array<glm::dvec3, 
     return weights;
 }
 
-glm::dvec3 weights_at(const glm::dvec3& p, const std::array<glm::dvec3, 3>& corners) {
-    const glm::dvec3 normal = glm::cross(corners[1] - corners[0], corners[2] - corners[0]);
-    const double area2 = glm::dot(normal, normal);
-    if (!(area2 > 0.0)) return along_longest_side(p, corners);
-    glm::dvec3 weights;
-    for (int k = 0; k < 3; ++k) {
-        const glm::dvec3 &a = corners[static_cast<size_t>((k + 1) % 3)], &b = corners[static_cast<size_t>((k + 2) % 3)];
-        const double weight = glm::dot(glm::cross(a - p, b - p), normal) / area2;
-        weights[k] = weight < min_weight ? 0.0 : weight;
-    }
-    const double sum = weights.x + weights.y + weights.z;
-    return std::isfinite(sum) && sum > 0.0 ? weights / sum : along_longest_side(p, corners);
-}
-
 // Returns the unit normal that both sides of a cut share: the first component that is clearly nonzero is positive.
 glm::dvec3 without_side(const glm::dvec3& unit) {
     for (int k = 0; k < 3; ++k)
@@ -75,6 +61,20 @@ glm::dvec2 plane_uv(const glm::dvec3& normal, const glm::dvec3& point) {
     return {glm::dot(point, u), glm::dot(point, v)};
 }
 
+glm::dvec3 barycentrics(const std::array<glm::dvec3, 3>& corners, const glm::dvec3& p) {
+    const glm::dvec3 normal = glm::cross(corners[1] - corners[0], corners[2] - corners[0]);
+    const double area2 = glm::dot(normal, normal);
+    if (!(area2 > 0.0)) return along_longest_side(p, corners);
+    glm::dvec3 weights;
+    for (int k = 0; k < 3; ++k) {
+        const glm::dvec3 &a = corners[static_cast<size_t>((k + 1) % 3)], &b = corners[static_cast<size_t>((k + 2) % 3)];
+        const double weight = glm::dot(glm::cross(a - p, b - p), normal) / area2;
+        weights[k] = weight < min_weight ? 0.0 : weight;
+    }
+    const double sum = weights.x + weights.y + weights.z;
+    return std::isfinite(sum) && sum > 0.0 ? weights / sum : along_longest_side(p, corners);
+}
+
 std::array<glm::dvec3, 3> barycentrics(const TriangleMesh& source, const Fragments& fragments, const Piece& piece,
                                        uint32_t triangle) {
     const Triangle& of = source.triangles[fragments.triangle_source[triangle]];
@@ -87,7 +87,7 @@ std::array<glm::dvec3, 3> barycentrics(const TriangleMesh& source, const Fragmen
         if (point < first_cut_point && (point == of.x || point == of.y || point == of.z)) {
             weights[point == of.x ? 0 : (point == of.y ? 1 : 2)] = 1.0;
         } else {
-            weights = weights_at(fragments.positions[v], corners);
+            weights = barycentrics(corners, fragments.positions[v]);
         }
     }
     return result;

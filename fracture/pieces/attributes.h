@@ -30,6 +30,9 @@ namespace brittle::fracture {
 [[nodiscard]] std::array<glm::dvec3, 3> barycentrics(const TriangleMesh& source, const Fragments& fragments,
                                                      const Piece& piece, uint32_t triangle);
 
+// Returns the barycentric coordinates of one point in the same way. The corners are those of the source triangle.
+[[nodiscard]] glm::dvec3 barycentrics(const std::array<glm::dvec3, 3>& corners, const glm::dvec3& point);
+
 // Returns texture coordinates for the corners of an interior triangle, in metres: planar coordinates in the plane of
 // the cut, relative to the midpoint of the two sites. u is horizontal, v points upwards; on a horizontal cut, u is
 // along Z. Both sides of a cut have equal coordinates, so one of them shows the texture mirrored. `sites` are those of

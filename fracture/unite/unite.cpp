@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <numeric>
 #include <tuple>
+
+#include <glm/common.hpp>
 
 #include "fracture/doctor/mending/steps.h"
 #include "fracture/mesh/mass_properties.h"
@@ -18,8 +21,12 @@ using arrangement::Arrangement;
 using arrangement::Facet;
 
 // The rounding of new vertices can make triangles cross that are nearly in one plane. Another round unites these; hardly
-// any mesh needs more than two.
-constexpr uint32_t max_rounds = 8;
+// any mesh needs more than two. Where faces are a few last bits from one plane, rounding goes on for ever; later rounds
+// move the vertices of the triangles in question to a grid, which becomes coarser, until the faces are in one plane.
+constexpr uint32_t max_rounds = 16;
+constexpr uint32_t exact_rounds = 3;
+constexpr int first_grid = -50; // exponent, relative to that of the largest coordinate
+constexpr double coarser = 4.0; // from round to round: the last exponent is -26
 // The most often that edges with equal ends are halved (mending::separate()).
 constexpr int max_separations = 16;
 
@@ -123,6 +130,37 @@ Boundary boundary_of(const Arrangement& all, std::span<const Facet> facets) {
     return boundary;
 }
 
+// Moves the vertices of fresh triangles to a grid, with all others at their places. The triangles that these move become
+// fresh. Returns whether any moved.
+bool snap(TriangleMesh& mesh, std::vector<uint8_t>& is_fresh, double step) {
+    const arrangement::Points points(mesh.positions);
+    std::vector<uint8_t> moves(mesh.positions.size(), 0); // by the first vertex of each place
+    for (size_t t = 0; t < mesh.triangles.size(); ++t)
+        for (int k = 0; is_fresh[t] && k < 3; ++k) moves[points.first_at(mesh.triangles[t][k])] = 1;
+    bool any = false;
+    for (uint32_t v = 0; v < mesh.positions.size(); ++v) {
+        const uint32_t first = points.first_at(v);
+        if (!moves[first]) continue;
+        mesh.positions[v] = glm::round(points[first] / step) * step;
+        if (mesh.positions[v] == points[first]) continue;
+        moves[first] = 2;
+        any = true;
+    }
+    for (size_t t = 0; t < mesh.triangles.size(); ++t)
+        for (int k = 0; k < 3; ++k)
+            if (moves[points.first_at(mesh.triangles[t][k])] == 2) is_fresh[t] = 1;
+    return any;
+}
+
+// The exponent of the largest coordinate.
+int exponent_of(const TriangleMesh& mesh) {
+    const Box box = bounds(mesh);
+    const glm::dvec3 far = glm::max(glm::abs(box.min), glm::abs(box.max));
+    int exponent = 0;
+    static_cast<void>(std::frexp(std::max({far.x, far.y, far.z}), &exponent));
+    return exponent;
+}
+
 void count_changes(const TriangleMesh& before, const United& united, UniteReport& report) {
     std::vector<uint8_t> remains(before.triangles.size(), 0);
     for (const uint32_t t : united.source_triangle) remains[t] = 1;
@@ -147,15 +185,18 @@ United unite(const TriangleMesh& mesh, uint32_t thread_count) {
     report.volume_before = report.volume_after = signed_volume(mesh.positions, mesh.triangles);
     report.complete = false;
     std::vector<uint8_t> is_fresh(mesh.triangles.size(), 1);
+    double grid = std::ldexp(1.0, exponent_of(mesh) + first_grid);
     for (uint32_t round = 0; round < max_rounds && !report.complete; ++round) {
+        const bool snapped = round >= exact_rounds && snap(united.mesh, is_fresh, grid);
+        if (round >= exact_rounds) grid *= coarser;
         Arrangement all(united.mesh);
         find_contacts(all, is_fresh, threads);
-        report.complete = round > 0 && all.cuts.empty();
+        report.complete = round > 0 && !snapped && all.cuts.empty();
         if (report.complete) break;
         divide_carriers(all);
         const std::vector<arrangement::Part> parts = divide_triangles(all, threads);
         const std::vector<Facet> facets = find_facets(all, parts, threads);
-        report.complete = std::all_of(facets.begin(), facets.end(), is_clean);
+        report.complete = !snapped && std::all_of(facets.begin(), facets.end(), is_clean);
         if (report.complete) break;
         if (round == 0) {
             report.inside_out = inside_out_volume(all, facets);

@@ -34,6 +34,11 @@ struct UniteReport {
     bool complete = true;
 
     [[nodiscard]] bool changed() const { return rounds > 0; }
+    // The share of the region's volume that the pieces of the mesh as it is have too much; negative where parts of it
+    // are inside out. Zero up to rounding where parts only touch.
+    [[nodiscard]] double excess() const {
+        return volume_after > 0.0 ? (volume_before - volume_after) / volume_after : 0.0;
+    }
 };
 
 struct United {
@@ -51,7 +56,8 @@ struct United {
 // Preconditions: indices in range, coordinates finite and below 1e50 m, and each edge is used as often in one direction
 // as in the other; check_topology() (topology.h) tells, and repair() makes such a mesh.
 //
-// `threads`: 0 for one per core. Their number changes no bit. Time is near linear in the triangles, plus what the crossing ones cost.
+// `threads`: 0 for one per core. Their number changes no bit. Time is near linear in the triangles, plus what the
+// crossing ones cost.
 [[nodiscard]] United unite(const TriangleMesh& mesh, uint32_t threads = 0);
 
 // A report of a few lines for a reader; empty where nothing changed.

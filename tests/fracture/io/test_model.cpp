@@ -524,3 +524,27 @@ TEST_CASE("model: replace_mesh keeps the attributes of the source triangles") {
         }
     }
 }
+
+TEST_CASE("model: divide_mesh interpolates the attributes of the source triangles") {
+    // One triangle, cut from its corner to the middle of the opposite side; the second part looks the other way.
+    Model model;
+    model.mesh = {{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}}, {{0, 1, 2}}};
+    model.uv[0] = {{0, 0}, {1, 0}, {0, 1}};
+    model.normals = {{0, 0, 1}, {1, 0, 0}, {0, 1, 0}};
+    model.colours = {{1, 0, 0, 1}, {0, 1, 0, 1}, {0, 0, 1, 0}};
+    model.material_of = {3};
+    TriangleMesh parts{{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {2, 2, 0}}, {{0, 1, 3}, {0, 2, 3}}};
+    const std::vector<uint32_t> source{0, 0};
+    const Model before = model;
+    divide_mesh(model, parts, source);
+    CHECK(model.mesh.triangles == parts.triangles);
+    CHECK(model.material_of == std::vector<uint32_t>{3, 3});
+    CHECK(model.uv[0] == std::vector<glm::vec2>{{0, 0}, {1, 0}, {0.5, 0.5}, {0, 0}, {0, 1}, {0.5, 0.5}});
+    CHECK(model.uv[1].empty());
+    CHECK(model.colours[2] == glm::vec4(0, 0.5, 0.5, 0.5));
+    const float diagonal = std::sqrt(0.5f);
+    for (size_t k = 0; k < 2; ++k) CHECK(model.normals[k] == before.normals[k]);
+    CHECK(glm::distance(model.normals[2], {diagonal, diagonal, 0}) < 1e-6f);
+    CHECK(model.normals[3] == -before.normals[0]);
+    CHECK(glm::distance(model.normals[5], {-diagonal, -diagonal, 0}) < 1e-6f);
+}

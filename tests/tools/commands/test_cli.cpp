@@ -1,8 +1,10 @@
 // The program from the user's point of view: exit codes, messages, files. Runs the real binary.
 #include <doctest/doctest.h>
 
+#include <array>
 #include <cstdlib>
 #include <filesystem>
+#include <initializer_list>
 #include <map>
 #include <set>
 #include <string>
@@ -598,6 +600,78 @@ TEST_CASE("repair repairs a mesh that fracture refuses, reports the repair, and 
     const Outcome sound = run_brittle(folder, "repair shape:torus -o " + (folder / "torus.ply"));
     CHECK(sound.exit_code == 0);
     CHECK(sound.has("nothing to repair"));
+}
+
+TEST_CASE("parts that pass through each other are told of, and united on request") {
+    const Folder folder;
+    // Two boxes of 1 m, with an eighth of a cubic metre in common, and a third one, inside out.
+    std::string boxes;
+    int vertices = 0;
+    const auto box = [&](double at, bool inside_out) {
+        for (int v = 0; v < 8; ++v)
+            boxes += "v " + std::to_string(at + (v & 1)) + " " + std::to_string(at + (v >> 1 & 1)) + " "
+                     + std::to_string(at + (v >> 2)) + "\n";
+        for (const auto& [a, b, c] : std::initializer_list<std::array<int, 3>>{{1, 3, 4},
+                                                                               {1, 4, 2},
+                                                                               {5, 6, 8},
+                                                                               {5, 8, 7},
+                                                                               {1, 2, 6},
+                                                                               {1, 6, 5},
+                                                                               {3, 7, 8},
+                                                                               {3, 8, 4},
+                                                                               {1, 5, 7},
+                                                                               {1, 7, 3},
+                                                                               {2, 4, 8},
+                                                                               {2, 8, 6}})
+            boxes += "f " + std::to_string(a + vertices) + " " + std::to_string((inside_out ? c : b) + vertices) + " "
+                     + std::to_string((inside_out ? b : c) + vertices) + "\n";
+        vertices += 8;
+    };
+    box(0.0, false);
+    box(0.5, false);
+    write_text(folder / "boxes.obj", boxes);
+    const std::string pieces = "fracture " + folder / "boxes.obj" + " -n 4 -o " + folder / "out.glb";
+    const Outcome told = run_brittle(folder, pieces);
+    INFO(told.output);
+    CHECK(told.exit_code == 0);
+    CHECK(told.has("6.67 % of its volume counts twice"));
+    CHECK(told.has("--unite"));
+    const Outcome united = run_brittle(folder, pieces + " --unite --report " + folder / "report.json");
+    INFO(united.output);
+    CHECK(united.exit_code == 0);
+    CHECK_FALSE(united.has("counts twice"));
+    CHECK(nlohmann::json::parse(read_text(folder / "report.json"))["volume_sum"].get<double>()
+          == doctest::Approx(1.875));
+
+    const Outcome inspected = run_brittle(folder, "inspect --json " + folder / "boxes.obj");
+    const auto found = nlohmann::json::parse(inspected.output)["union"];
+    CHECK(found["changes"] == true);
+    CHECK(found["volume"].get<double>() == doctest::Approx(1.875));
+    CHECK(run_brittle(folder, "inspect " + folder / "boxes.obj").has("6.67 % of its volume counts twice"));
+
+    CHECK(run_brittle(folder, "repair --unite " + folder / "boxes.obj" + " -o " + folder / "one.ply")
+              .has("parts united"));
+    const Outcome again = run_brittle(folder, "repair --unite " + folder / "one.ply" + " -o " + folder / "two.ply");
+    CHECK(again.has("nothing to unite"));
+    CHECK(read_text(folder / "one.ply") == read_text(folder / "two.ply"));
+    CHECK_FALSE(run_brittle(folder, "inspect " + folder / "one.ply").has("union"));
+
+    boxes.clear();
+    vertices = 0;
+    box(0.0, true);
+    write_text(folder / "turned.obj", boxes);
+    const Outcome empty =
+        run_brittle(folder, "fracture " + folder / "turned.obj" + " --unite -n 4 -o " + folder / "e.glb");
+    INFO(empty.output);
+    CHECK(empty.exit_code == 4);
+    CHECK(empty.has("inside out"));
+    CHECK_FALSE(fs::exists(folder / "e.glb"));
+    write_text(folder / "open.obj", tetrahedron.substr(0, tetrahedron.rfind("f ")));
+    const Outcome open =
+        run_brittle(folder, "repair --close-holes 0 --unite " + folder / "open.obj" + " -o " + folder / "e.glb");
+    CHECK(open.exit_code == 4);
+    CHECK(open.has("only where the mesh is closed"));
+    CHECK_FALSE(fs::exists(folder / "e.glb"));
 }
 
 TEST_CASE("the pieces are the same with every --classify, and auto reports the processor") {

@@ -46,6 +46,7 @@ FractureOptions everything() {
     FractureOptions options;
     options.mesh = "shape:torus";
     options.repair = true;
+    options.unite = true;
     options.algorithm = fracture::Algorithm::sequential;
     options.min_volume = 0.25;
     options.material = "wood";

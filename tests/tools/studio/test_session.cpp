@@ -10,8 +10,10 @@
 #include <doctest/doctest.h>
 #include <glm/geometric.hpp>
 
+#include "fracture/io/export.h"
 #include "fracture/mesh/mass_properties.h"
 #include "fracture/pieces/certificate.h"
+#include "fracture/shapes/shapes.h"
 #include "tests/tools/studio/room.h"
 #include "tests/tools/support.h"
 #include "tools/brittle/base/failure.h"
@@ -88,6 +90,31 @@ TEST_CASE("session: a dropped file replaces the object, and a bad one leaves it 
     session.undo(); // back to the mesh before
     REQUIRE(room.soon([&] { return session.object().name() == "cube"; }));
     CHECK_FALSE(session.broken());
+}
+
+TEST_CASE("session: parts that pass through each other are told of and united, and undo parts them again") {
+    const Folder folder;
+    fracture::TriangleMesh mesh = fracture::cube(1.0);
+    fracture::TriangleMesh other = fracture::cube(1.0);
+    for (const glm::dvec3& p : other.positions) mesh.positions.push_back(p + 0.5);
+    for (const fracture::Triangle& t : other.triangles) mesh.triangles.push_back(t + 8u);
+    fracture::Model model;
+    model.mesh = mesh;
+    REQUIRE(fracture::export_model(folder / "boxes.ply", model, "boxes"));
+    Room room(folder / "boxes.ply");
+    if (!room.device) return;
+    Session& session = *room.session;
+    session.edit(AddSite{{0.1, 0.1, 0.1}});
+    CHECK(session.object().overlap().find("counts twice") != std::string::npos);
+    session.edit(SetUnite{true});
+    REQUIRE(room.soon([&] { return session.object().overlap().empty(); }));
+    CHECK(fracture::signed_volume(session.object().file().model.mesh.positions,
+                                  session.object().file().model.mesh.triangles)
+          == doctest::Approx(1.875));
+    CHECK(session.recipe().points.size() == 1); // sites stay
+    session.undo();
+    REQUIRE(room.soon([&] { return !session.object().overlap().empty(); }));
+    CHECK(session.object().file().model.mesh.triangles.size() == mesh.triangles.size());
 }
 
 TEST_CASE("session: long work can be cancelled, and later work succeeds") {

@@ -82,6 +82,7 @@ struct RepairCommand {
     std::string mesh;
     std::string output; // file whose ending gives the format
     fracture::RepairSettings settings;
+    bool unite = false; // the parts of the repaired mesh
 };
 
 // Returns exit_mesh if the mesh cannot be fractured.

@@ -43,6 +43,9 @@ int run_fracture(const FractureCommand& command) {
         std::printf("  report     %s\n", command.report.c_str());
     }
     if (!command.fracture.save_recipe.empty()) std::printf("  recipe     %s\n", command.fracture.save_recipe.c_str());
+    if (const std::string overlap = command.fracture.unite ? std::string() : overlap_of(input.model.mesh);
+        !overlap.empty())
+        std::fprintf(stderr, "brittle: %s: %s; --unite makes one solid of it\n", input.name.c_str(), overlap.c_str());
     if (!broken.certificate.closed) {
         throw Failure(exit_failure, std::to_string(broken.certificate.open_pieces) + " of "
                                         + std::to_string(broken.certificate.pieces)

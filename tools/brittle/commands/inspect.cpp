@@ -24,7 +24,15 @@ Json pair_json(const std::optional<glm::uvec2>& pair) {
     return pair ? Json{pair->x, pair->y} : Json();
 }
 
-Json to_json(const std::string& name, const fracture::Inspection& i) {
+// What a union would change, for meshes that are closed.
+using Union = std::optional<fracture::UniteReport>;
+
+Union union_of(const fracture::TriangleMesh& mesh, const fracture::Inspection& inspection) {
+    if (!inspection.topology.closed() || mesh.triangles.empty()) return std::nullopt;
+    return fracture::unite(mesh).report;
+}
+
+Json to_json(const std::string& name, const fracture::Inspection& i, const Union& united) {
     const auto& t = i.topology;
     Json json{
         {"mesh", name},
@@ -52,6 +60,12 @@ Json to_json(const std::string& name, const fracture::Inspection& i) {
     if (i.min_thickness)
         json["thickness"] = {
             {"least", *i.min_thickness}, {"triangle", i.thinnest_triangle}, {"thin_share", i.thin_share}};
+    if (united)
+        json["union"] = {{"changes", united->changed()},
+                         {"volume", united->volume_after},
+                         {"inside_out", united->inside_out},
+                         {"cut_triangles", united->cut_triangles},
+                         {"dropped_triangles", united->dropped_triangles}};
     const auto edges = [](const std::vector<glm::uvec2>& list) {
         Json array = Json::array();
         for (const glm::uvec2& edge : list) array.push_back({edge.x, edge.y});
@@ -117,8 +131,12 @@ int run_inspect(const InspectCommand& command) {
         for (const Marks& one : marks) seen += (seen.empty() ? "" : ", ") + one.kind + " " + one.colour_name;
         seen = "  marked     " + (seen.empty() ? "nothing" : seen) + "\n";
     }
+    const Union united = union_of(input.model.mesh, inspection);
+    if (united)
+        if (const std::string overlap = overlap_text(*united); !overlap.empty())
+            seen += "  union      " + overlap + "; --unite makes one solid of it\n";
     if (command.json)
-        std::printf("%s\n", to_json(input.name, inspection).dump(2).c_str());
+        std::printf("%s\n", to_json(input.name, inspection, united).dump(2).c_str());
     else
         std::printf("%s\n%s%s", input.name.c_str(), describe(inspection).c_str(), seen.c_str());
     return inspection.refusal ? exit_mesh : exit_success;

@@ -138,6 +138,8 @@ void add_site_options(CLI::App& command, FractureOptions& options) {
 void add_algorithm_options(CLI::App& command, FractureOptions& options) {
     command.add_flag("--repair", options.repair,
                      "Repair the mesh first, as `brittle repair` does, and print what was done");
+    command.add_flag("--unite", options.unite,
+                     "Unite parts that pass through each other, after the repair, so that space counts once");
     const auto set_algorithm = [&options](const std::string& name) {
         options.algorithm = name == "exact" ? fracture::Algorithm::exact : fracture::Algorithm::sequential;
     };

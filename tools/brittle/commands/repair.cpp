@@ -20,6 +20,10 @@ int run_repair(const RepairCommand& command) {
                                      + ": no triangle is left, so no file is written. Weld cracks first: "
                                        "give --weld the width of the widest crack");
     fracture::replace_mesh(input.model, std::move(repaired.mesh), repaired.source_triangle);
+    if (command.unite) {
+        const std::string united = fracture::describe(unite_parts(input.model, input.name));
+        std::printf("%s", united.empty() ? "nothing to unite\n" : united.c_str());
+    }
     must(fracture::export_model(command.output, input.model, input.name));
     const fracture::Inspection inspection = fracture::inspect(input.model.mesh);
     std::printf("written to %s\n%s", command.output.c_str(), fracture::describe(inspection).c_str());

@@ -27,6 +27,9 @@ void add_repair(CLI::App& app, Run& run) {
                     "Make each part that lies wholly inside another a cavity of it, whichever way it faces");
     repair.add_flag("--overlaps", command->settings.covered_parts,
                     "Remove parts that lie wholly inside others, so that space counts once. Parts that cross stay.");
+    repair.add_flag("--unite", command->unite,
+                    "Unite parts that pass through each other: the result is the surface around all of them, without "
+                    "walls inside. A surface that passes through itself is united, too.");
     repair.footer(
         "The exit code is 0 if the result can be fractured, and 4 if it cannot. A sound mesh stays as it is.");
     repair.callback([&run, command] { run = [command] { return run_repair(*command); }; });

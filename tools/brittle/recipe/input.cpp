@@ -185,6 +185,40 @@ void prepare_mesh(const FractureOptions& options, Input& input) {
     } else {
         suggest_repair(input.model.mesh, input.name);
     }
+    if (!options.unite) return;
+    const std::string report = fracture::describe(unite_parts(input.model, input.name));
+    std::fprintf(stderr, "brittle: %s: %s", input.name.c_str(), report.empty() ? "nothing to unite\n" : report.c_str());
+}
+
+fracture::UniteReport unite_parts(fracture::Model& model, const std::string& name) {
+    const auto topology = fracture::check_topology(model.mesh.positions.size(), model.mesh.triangles);
+    if (!topology.closed())
+        throw Failure(exit_mesh, name + ": parts can be united only where the mesh is closed, and it has "
+                                     + fracture::describe(topology) + ". Repair it first");
+    fracture::United united = fracture::unite(model.mesh);
+    if (united.mesh.triangles.empty())
+        throw Failure(exit_mesh, name
+                                     + ": the whole surface is inside out, so the union is empty. Turn it first: "
+                                       "`brittle repair` does");
+    if (united.report.changed()) fracture::divide_mesh(model, std::move(united.mesh), united.source_triangle);
+    return united.report;
+}
+
+std::string overlap_text(const fracture::UniteReport& report) {
+    constexpr double rounding = 1e-6; // of the volume
+    char text[160] = "";
+    if (report.inside_out > rounding * report.volume_after)
+        std::snprintf(text, sizeof text, "its surface is inside out around %.3g %% of its volume, so pieces lack that",
+                      100.0 * report.inside_out / report.volume_after);
+    else if (report.excess() > rounding)
+        std::snprintf(text, sizeof text, "its parts pass through each other, so %.3g %% of its volume counts twice",
+                      100.0 * report.excess());
+    return text;
+}
+
+std::string overlap_of(const fracture::TriangleMesh& mesh) {
+    if (!fracture::check_topology(mesh.positions.size(), mesh.triangles).closed()) return {};
+    return overlap_text(fracture::unite(mesh).report);
 }
 
 Input load_input(const FractureOptions& options, bool with_looks) {

@@ -10,6 +10,7 @@
 #include "fracture/fracture.h"
 #include "fracture/io/model.h"
 #include "fracture/sites/pattern.h"
+#include "fracture/unite/unite.h"
 #include "tools/brittle/recipe/picture_options.h"
 #include "tools/brittle/recipe/strike.h"
 #include "tools/brittle/recipe/world_options.h"
@@ -36,6 +37,7 @@ struct FractureOptions {
     fracture::Placement sites_placement; // --turn-sites, --scale-sites, --move-sites
     std::string save_recipe;             // --save-recipe: file to which load_input() writes these options; or empty
     bool repair = false;                 // --repair: fracture::repair() before the fracture, with a report
+    bool unite = false;                  // --unite: fracture::unite() after that, with a report
     fracture::Algorithm algorithm = fracture::Algorithm::exact;
     double min_volume = 0.0; // --min-volume, m^3: a smaller piece is merged with a neighbour
     uint32_t threads = 0;    // 0: one per core
@@ -90,8 +92,18 @@ void use_material(const std::string& name, FractureOptions& options);
 [[nodiscard]] Input load_mesh_only(const std::string& mesh, bool with_looks = false);
 
 // Repairs the mesh if the options ask for it. Otherwise throws a Failure with exit_mesh that names --repair if the mesh
-// is not closed but repair would close it.
+// is not closed but repair would close it. Then unites its parts if the options ask for that; a mesh that is not closed
+// is a Failure with exit_mesh.
 void prepare_mesh(const FractureOptions& options, Input& input);
+
+// Unites the parts of a closed mesh and returns the report. Throws a Failure with exit_mesh where it is not closed, and
+// where nothing remains.
+fracture::UniteReport unite_parts(fracture::Model& model, const std::string& name);
+
+// Returns a clause for people about what a union would change, such as "its parts pass through each other, so 12 % of
+// its volume counts twice"; empty where that is nothing but rounding, and where the mesh is not closed.
+[[nodiscard]] std::string overlap_of(const fracture::TriangleMesh& mesh);
+[[nodiscard]] std::string overlap_text(const fracture::UniteReport& report);
 
 // Fractures the mesh; in a world that starts whole the mesh becomes one piece per island instead. `progress`,
 // `classifier`, `cancelled` and `work_log` are as in fracture::Settings; Ctrl+C cancels in any case.

@@ -165,6 +165,7 @@ Json recipe_object(const FractureOptions& options) {
     Json recipe{{"brittle", version}, {"mesh", options.mesh}};
     if (!options.material.empty()) recipe["material"] = options.material;
     if (options.repair) recipe["repair"] = true;
+    if (options.unite) recipe["unite"] = true;
     FractureOptions plain;
     if (!options.material.empty()) use_material(options.material, plain);
     // Strikes break by the pattern, even if there are sites.
@@ -440,6 +441,7 @@ void read_recipe(const std::filesystem::path& file, const Json& json, const std:
         from_here(options.mesh);
     }
     reader.flag("repair", options.repair);
+    reader.flag("unite", options.unite);
     std::string material;
     reader.text("material", material);
     if (!material.empty()) {

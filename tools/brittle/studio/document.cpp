@@ -50,10 +50,12 @@ struct Applier {
     void operator()(const SetMesh& edit) const {
         recipe.mesh = edit.mesh;
         recipe.repair = edit.repair;
+        recipe.unite = false;
         recipe.points.clear();
         recipe.world.anchors.clear();
         recipe.strikes.clear();
     }
+    void operator()(const SetUnite& edit) const { recipe.unite = edit.unite; }
     void operator()(const SetMaterial& edit) const {
         if (edit.name.empty()) {
             recipe.material.clear();
@@ -133,12 +135,15 @@ struct Applier {
 
 std::string_view name_of(const Edit& edit) {
     static constexpr std::array<std::string_view, std::variant_size_v<Edit>> names{
-        "open a mesh",      "change the material", "change the pattern",
-        "change the world", "set the sites",       "place a site",
-        "move sites",       "delete sites",        "set weights of sites",
-        "group sites",      "duplicate sites",     "mirror sites",
-        "anchor",           "remove anchors",      "strike",
-        "remove strikes",   "open a recipe"};
+        "open a mesh",         "unite parts",
+        "change the material", "change the pattern",
+        "change the world",    "set the sites",
+        "place a site",        "move sites",
+        "delete sites",        "set weights of sites",
+        "group sites",         "duplicate sites",
+        "mirror sites",        "anchor",
+        "remove anchors",      "strike",
+        "remove strikes",      "open a recipe"};
     return names[edit.index()];
 }
 

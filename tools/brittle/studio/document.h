@@ -29,6 +29,9 @@ struct SetMesh {
     std::string mesh; // a file, or shape:NAME; sites placed by hand, strikes and anchors are removed
     bool repair = false;
 };
+struct SetUnite {
+    bool unite = false; // parts that pass through each other
+};
 struct SetMaterial {
     std::string name; // name of a preset, or empty; also sets the preset's fracture pattern
 };
@@ -88,7 +91,7 @@ struct SetRecipe {
     FractureOptions recipe;
 };
 
-using Edit = std::variant<SetMesh, SetMaterial, SetPattern, SetWorld, SetSites, AddSite, MoveSites, RemoveSites,
+using Edit = std::variant<SetMesh, SetUnite, SetMaterial, SetPattern, SetWorld, SetSites, AddSite, MoveSites, RemoveSites,
                           SetSiteWeight, SetSiteGroup, DuplicateSites, MirrorSites, AddAnchor, RemoveAnchors, AddStrike,
                           ClearStrikes, SetRecipe>;
 

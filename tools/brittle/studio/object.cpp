@@ -31,15 +31,16 @@ std::shared_ptr<const Object> Object::load(const FractureOptions& options) {
     prepare_mesh(options, input);
     const auto report = fracture::check_topology(input.model.mesh.positions.size(), input.model.mesh.triangles);
     if (!report.closed()) throw Failure(exit_mesh, input.name + ": " + fracture::describe(report));
-    return std::shared_ptr<const Object>(new Object(std::move(input), options.world));
+    std::string overlap = options.unite ? std::string() : overlap_of(input.model.mesh);
+    return std::shared_ptr<const Object>(new Object(std::move(input), std::move(overlap), options.world));
 }
 
 std::shared_ptr<const Object> Object::placed_for(const WorldOptions& world) const {
-    return std::shared_ptr<const Object>(new Object(file_, world));
+    return std::shared_ptr<const Object>(new Object(file_, overlap_, world));
 }
 
-Object::Object(Input file, const WorldOptions& world)
-    : file_(std::move(file)), stage_(placed_on_stage(file_, world)), world_(world),
+Object::Object(Input file, std::string overlap, const WorldOptions& world)
+    : file_(std::move(file)), stage_(placed_on_stage(file_, world)), overlap_(std::move(overlap)), world_(world),
       placement_(placement_on_stage(file_.model.mesh, world)),
       tree_(stage_.model.mesh, all_triangles(stage_.model.mesh)), batch_(batch_of(stage_.model.mesh)) {}
 

@@ -32,6 +32,8 @@ class Object {
     [[nodiscard]] const fracture::TriangleMesh& mesh() const { return stage_.model.mesh; } // on the stage
     // The batch of mesh(), in the form that the renderer draws.
     [[nodiscard]] const engine::PieceBatch& batch() const { return batch_; }
+    // See overlap_of(). Empty for a mesh that was united.
+    [[nodiscard]] const std::string& overlap() const { return overlap_; }
     [[nodiscard]] double import_milliseconds() const { return file_.import_milliseconds; }
 
     // Returns sites for the mesh on the stage. Computed as by placed_on_stage(), so that the pieces equal those of
@@ -51,9 +53,10 @@ class Object {
     [[nodiscard]] Hit exit_after(const Hit& hit, const glm::dvec3& direction) const;
 
   private:
-    Object(Input file, const WorldOptions& world);
+    Object(Input file, std::string overlap, const WorldOptions& world);
 
     Input file_, stage_;
+    std::string overlap_;
     WorldOptions world_;
     StagePlacement placement_;
     fracture::TriangleTree tree_;

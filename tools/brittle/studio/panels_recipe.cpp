@@ -134,6 +134,11 @@ void Panels::object_panel(const PanelState& state) {
     char metres[64];
     std::snprintf(metres, sizeof metres, "%.3g x %.3g x %.3g m", size.x, size.y, size.z);
     explain((grouped(object.mesh().triangles.size()) + " triangles, " + metres).c_str());
+    if (!object.overlap().empty()) {
+        explain(("Take care: " + object.overlap() + ".").c_str());
+        if (wide_button("Unite parts", "Makes one solid of parts that pass through each other"))
+            session.edit(SetUnite{true});
+    }
     if (wide_button("Open", "A mesh or a recipe (Ctrl+O)", 1.0f / 3.0f)) actions_.push_back(Command::open);
     ImGui::SameLine();
     if (wide_button("Save", "The recipe (Ctrl+S)", 0.5f)) actions_.push_back(Command::save);

@@ -99,7 +99,7 @@ void Session::redo() {
 // Brings the stage up to date with the recipe.
 void Session::follow(const FractureOptions& before) {
     const FractureOptions& now = recipe();
-    if (now.mesh != before.mesh || now.repair != before.repair) {
+    if (now.mesh != before.mesh || now.repair != before.repair || now.unite != before.unite) {
         activity_.start("reading " + now.mesh, [this, now](const Worker::Cancelled&) {
             auto object = Object::load(now);
             activity_.post([this, object, mesh = now.mesh] {

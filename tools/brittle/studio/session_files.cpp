@@ -21,6 +21,7 @@ void SessionFiles::open(const std::string& path, bool repair) {
     if (!path.ends_with(".json")) {
         options.mesh = path;
         options.repair = repair;
+        options.unite = false;
         options.points.clear();
         options.strikes.clear();
     }
