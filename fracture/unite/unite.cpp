@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <numeric>
+#include <optional>
 #include <tuple>
 
 #include <glm/common.hpp>
@@ -131,25 +132,21 @@ Boundary boundary_of(const Arrangement& all, std::span<const Facet> facets) {
 }
 
 // Moves the vertices of fresh triangles to a grid, with all others at their places. The triangles that these move become
-// fresh. Returns whether any moved.
-bool snap(TriangleMesh& mesh, std::vector<uint8_t>& is_fresh, double step) {
+// fresh.
+void snap(TriangleMesh& mesh, std::vector<uint8_t>& is_fresh, double step) {
     const arrangement::Points points(mesh.positions);
     std::vector<uint8_t> moves(mesh.positions.size(), 0); // by the first vertex of each place
     for (size_t t = 0; t < mesh.triangles.size(); ++t)
         for (int k = 0; is_fresh[t] && k < 3; ++k) moves[points.first_at(mesh.triangles[t][k])] = 1;
-    bool any = false;
     for (uint32_t v = 0; v < mesh.positions.size(); ++v) {
         const uint32_t first = points.first_at(v);
         if (!moves[first]) continue;
         mesh.positions[v] = glm::round(points[first] / step) * step;
-        if (mesh.positions[v] == points[first]) continue;
-        moves[first] = 2;
-        any = true;
+        if (mesh.positions[v] != points[first]) moves[first] = 2;
     }
     for (size_t t = 0; t < mesh.triangles.size(); ++t)
         for (int k = 0; k < 3; ++k)
             if (moves[points.first_at(mesh.triangles[t][k])] == 2) is_fresh[t] = 1;
-    return any;
 }
 
 // The exponent of the largest coordinate.
@@ -174,6 +171,21 @@ void count_changes(const TriangleMesh& before, const United& united, UniteReport
         report.new_vertices += std::binary_search(known.begin(), known.end(), p, less) ? 0 : 1;
 }
 
+// An arrangement of a mesh and, on request, its facets.
+struct Divided {
+    Divided(const TriangleMesh& mesh, const std::vector<uint8_t>& is_fresh, Threads& threads) : all(mesh) {
+        find_contacts(all, is_fresh, threads);
+    }
+
+    void find_facets(Threads& threads) {
+        divide_carriers(all);
+        facets = arrangement::find_facets(all, divide_triangles(all, threads), threads);
+    }
+
+    Arrangement all;
+    std::vector<Facet> facets;
+};
+
 } // namespace
 
 United unite(const TriangleMesh& mesh, uint32_t thread_count) {
@@ -186,23 +198,24 @@ United unite(const TriangleMesh& mesh, uint32_t thread_count) {
     report.complete = false;
     std::vector<uint8_t> is_fresh(mesh.triangles.size(), 1);
     double grid = std::ldexp(1.0, exponent_of(mesh) + first_grid);
-    for (uint32_t round = 0; round < max_rounds && !report.complete; ++round) {
-        const bool snapped = round >= exact_rounds && snap(united.mesh, is_fresh, grid);
-        if (round >= exact_rounds) grid *= coarser;
-        Arrangement all(united.mesh);
-        find_contacts(all, is_fresh, threads);
-        report.complete = round > 0 && !snapped && all.cuts.empty();
+    for (uint32_t round = 0; round < max_rounds; ++round) {
+        std::optional<Divided> divided(std::in_place, united.mesh, is_fresh, threads);
+        report.complete = round > 0 && divided->all.cuts.empty();
         if (report.complete) break;
-        divide_carriers(all);
-        const std::vector<arrangement::Part> parts = divide_triangles(all, threads);
-        const std::vector<Facet> facets = find_facets(all, parts, threads);
-        report.complete = !snapped && std::all_of(facets.begin(), facets.end(), is_clean);
+        divided->find_facets(threads);
+        report.complete = std::all_of(divided->facets.begin(), divided->facets.end(), is_clean);
         if (report.complete) break;
         if (round == 0) {
-            report.inside_out = inside_out_volume(all, facets);
-            report.cut_triangles = static_cast<uint32_t>(all.cuts.size());
+            report.inside_out = inside_out_volume(divided->all, divided->facets);
+            report.cut_triangles = static_cast<uint32_t>(divided->all.cuts.size());
         }
-        Boundary boundary = boundary_of(all, facets);
+        if (round >= exact_rounds) {
+            snap(united.mesh, is_fresh, grid);
+            grid *= coarser;
+            divided.emplace(united.mesh, is_fresh, threads);
+            divided->find_facets(threads);
+        }
+        Boundary boundary = boundary_of(divided->all, divided->facets);
         for (uint32_t& source : boundary.source) source = united.source_triangle[source];
         united.mesh = std::move(boundary.mesh);
         united.source_triangle = std::move(boundary.source);
