@@ -197,9 +197,12 @@ fracture::UniteReport unite_parts(fracture::Model& model, const std::string& nam
                                      + fracture::describe(topology) + ". Repair it first");
     fracture::United united = fracture::unite(model.mesh);
     if (united.mesh.triangles.empty())
-        throw Failure(exit_mesh, name
-                                     + ": the whole surface is inside out, so the union is empty. Turn it first: "
-                                       "`brittle repair` does");
+        throw Failure(exit_mesh,
+                      name
+                          + (united.report.inside_out > 0.0
+                                 ? ": the whole surface is inside out, so the union is empty. Turn it first: "
+                                   "`brittle repair` does"
+                                 : ": the surface encloses no space, so the union is empty"));
     if (united.report.changed()) fracture::divide_mesh(model, std::move(united.mesh), united.source_triangle);
     return united.report;
 }
