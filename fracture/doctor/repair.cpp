@@ -139,8 +139,12 @@ std::string describe(const RepairReport& report) {
         text += count(report.closed_holes.count, "hole", "holes") + " closed with "
                 + count(report.new_triangles, "triangle", "triangles") + ", the first at vertex "
                 + std::to_string(report.closed_holes.first) + '\n';
-    line(report.new_vertices, "vertex added in the middle of a hole", "vertices added in the middle of holes",
-         "next to vertex");
+    line(report.new_vertices, "vertex added in a hole", "vertices added in holes", "next to vertex");
+    if (report.crossing_fills.count > 0)
+        text += count(report.crossing_fills.count, "hole", "holes") + " closed across the surface, where "
+                + count(report.fill_crossings, "pair", "pairs")
+                + " of triangles pass through each other, the first at vertex "
+                + std::to_string(report.crossing_fills.first) + ": --unite makes one solid of them\n";
     line(report.cut_edges, "edge of a one-sided surface cut", "edges of one-sided surfaces cut", "at vertex");
     line(report.split_edges, "edge of more than two triangles split", "edges of more than two triangles split",
          "at vertex");

@@ -23,6 +23,11 @@ struct RepairSettings {
     double weld_distance = -1.0;
     // The longest rim, in metres, that is closed. 0: none.
     double close_holes = std::numeric_limits<double>::infinity();
+    // New vertices in holes. none: only where nothing else closes them, or closes them without passing through the
+    // surface. flat: as dense as around, in the plane of each triangle of the fill. smooth: these, moved so that the
+    // curvature around the hole goes on.
+    enum class Remesh { none, flat, smooth };
+    Remesh remesh_holes = Remesh::none;
     // Removes patches that cover a place which is already covered, see remove_spare_patches().
     bool spare_patches = true;
     // Removes single triangles that only their own back could close.
@@ -63,7 +68,9 @@ struct RepairReport {
     Change turned_triangles; // with reversed orientation
     Change closed_holes;     // one per rim; the place is its lowest vertex
     uint64_t new_triangles = 0;
-    Change new_vertices; // in the middle of a hole that nothing else fits; the place as above
+    Change new_vertices;   // in holes; the place as above
+    Change crossing_fills; // holes of which every fill that was tried passes through the surface; the place as above
+    uint64_t fill_crossings = 0; // pairs of triangles there
 
     // The place of an edge is its lower vertex.
     Change cut_edges;      // of one-sided surfaces; both sides of the cut were filled
@@ -97,7 +104,9 @@ struct Repaired {
 //  4. Turns triangles until neighbours agree, the smaller number in each patch.
 //  5. Closes holes. Rims in one plane, one inside the other, are filled together. Any other rim is filled on its own:
 //     in its plane, or in projection along its normal where it is simple there, else with the least area (up to 64
-//     edges) or the shortest new edges. A fill never repeats an existing triangle; where no fill remains, all sides are
+//     edges) or the shortest new edges. Where that passes through the surface, the fill of least area (up to 256 edges)
+//     and then the same as a smooth surface with new vertices are tried, and the one with the fewest crossings stays
+//     (Liepa, "Filling holes in meshes", 2003). A fill never repeats an existing triangle; where no fill remains, all sides are
 //     joined to a new vertex in the middle. A one-sided surface is cut open first.
 //  6. Turns closed parts outwards, and those inside an odd number of others inwards (RepairSettings::cavities).
 //  7. Separates edges with more than two triangles into pairs, such that the two triangles around one wedge of solid

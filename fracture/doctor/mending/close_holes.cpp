@@ -4,12 +4,15 @@
 #include <cassert>
 #include <cmath>
 #include <numeric>
+#include <optional>
 #include <set>
 
 #include <glm/geometric.hpp>
 
+#include "fracture/doctor/mending/crossings.h"
 #include "fracture/doctor/mending/fill_in_plane.h"
 #include "fracture/doctor/mending/fill_loop.h"
+#include "fracture/doctor/mending/remesh_fill.h"
 #include "fracture/doctor/mending/steps.h"
 
 namespace brittle::fracture::mending {
@@ -273,9 +276,59 @@ class HoleCloser {
             const uint32_t centre = add_centre(work_, loop);
             for (size_t k = 0; k < loop.size(); ++k)
                 fill.triangles.emplace_back(loop[k], loop[(k + 1) % loop.size()], centre);
+            accept(fill.triangles);
+        } else {
+            accept_best(loop, std::move(fill.triangles));
         }
-        accept(fill.triangles);
         count_closed(loop);
+    }
+
+    // Takes the first fill that passes through no triangle, else the one with the fewest crossings: the given one, that
+    // of least area, and that one as smooth as the surface around.
+    void accept_best(const Loop& loop, std::vector<Triangle> first) {
+        if (loop.size() == 3) return accept(first); // there is no other
+        using Remesh = RepairSettings::Remesh;
+        Remeshed best = finished(std::move(first), settings_.remesh_holes);
+        uint64_t crossings = count_crossings(best).value_or(0);
+        const auto attempt = [&](std::vector<Triangle> fill, Remesh remesh) {
+            if (crossings == 0 || fill.empty()) return;
+            Remeshed other = finished(std::move(fill), remesh);
+            const std::optional<uint64_t> its = count_crossings(other);
+            if (!its || *its >= crossings) return;
+            crossings = *its;
+            best = std::move(other);
+        };
+        if (crossings > 0) {
+            const std::vector<Triangle> least = fill_by_area(work_.mesh.positions, loop, taken_);
+            attempt(least, settings_.remesh_holes);
+            attempt(least, Remesh::smooth);
+        }
+        if (crossings > 0) {
+            work_.report.crossing_fills.add(place_of(loop));
+            work_.report.fill_crossings += crossings;
+        }
+        const uint32_t lowest = *std::min_element(loop.begin(), loop.end());
+        const auto known = static_cast<uint32_t>(work_.mesh.positions.size());
+        for (const glm::dvec3& p : best.points) work_.mesh.positions[work_.copy_vertex(lowest)] = p;
+        if (!best.points.empty())
+            work_.report.new_vertices.add(work_.origin[lowest], work_.mesh.positions.size() - known);
+        accept(best.triangles);
+    }
+
+    Remeshed finished(std::vector<Triangle> fill, RepairSettings::Remesh remesh) {
+        if (remesh == RepairSettings::Remesh::none) return {std::move(fill), {}};
+        if (!neighbours_) neighbours_.emplace(work_.mesh);
+        return remesh_fill(work_.mesh.positions, fill, *neighbours_, taken_, remesh == RepairSettings::Remesh::smooth);
+    }
+
+    std::optional<uint64_t> count_crossings(const Remeshed& fill) {
+        if (!crossings_) crossings_.emplace(work_.mesh);
+        std::vector<glm::dvec3>& positions = work_.mesh.positions;
+        const size_t known = positions.size();
+        positions.insert(positions.end(), fill.points.begin(), fill.points.end());
+        const std::optional<uint64_t> count = crossings_->count(fill.triangles);
+        positions.resize(known);
+        return count;
     }
 
     void accept(const std::vector<Triangle>& triangles) {
@@ -303,6 +356,8 @@ class HoleCloser {
     std::vector<uint8_t> is_cut_; // per edge: counted as a cut edge
     bool any_loose_ = false;
     std::vector<Triangle> fills_;
+    std::optional<Crossings> crossings_;   // made when it is first needed, as is
+    std::optional<Neighbours> neighbours_; // of the mesh without fills
 };
 
 } // namespace

@@ -12,6 +12,7 @@ namespace brittle::fracture::mending {
 namespace {
 
 constexpr size_t max_corners_by_area = 64;
+constexpr size_t max_corners_on_request = 256; // fill_by_area()
 constexpr size_t max_corners_by_ears = 4096;
 
 // The cost of a triangulation: the number of edges that exist already, then area or length.
@@ -46,6 +47,11 @@ class Filler {
         if (!flat.empty()) return {std::move(flat)};
         if (n > max_corners_by_ears) return {{}, true};
         return {by_ears()};
+    }
+
+    [[nodiscard]] std::vector<Triangle> by_area() const {
+        uint32_t cost = impossible;
+        return of_least_area(cost);
     }
 
   private:
@@ -141,6 +147,12 @@ class Filler {
 
 Fill fill_loop(std::span<const glm::dvec3> positions, std::span<const uint32_t> loop, const Taken& taken) {
     return Filler(positions, loop, taken).run();
+}
+
+std::vector<Triangle> fill_by_area(std::span<const glm::dvec3> positions, std::span<const uint32_t> loop,
+                                   const Taken& taken) {
+    if (loop.size() > max_corners_on_request) return {};
+    return Filler(positions, loop, taken).by_area();
 }
 
 } // namespace brittle::fracture::mending

@@ -30,4 +30,9 @@ struct Fill {
 // clipping with the shortest edge first, in quadratic time.
 [[nodiscard]] Fill fill_loop(std::span<const glm::dvec3> positions, std::span<const uint32_t> loop, const Taken& taken);
 
+// Returns the fill of least area of a loop of up to 256 corners, in cubic time; nothing for a longer one, or where every
+// fill repeats a triangle.
+[[nodiscard]] std::vector<Triangle> fill_by_area(std::span<const glm::dvec3> positions, std::span<const uint32_t> loop,
+                                                 const Taken& taken);
+
 } // namespace brittle::fracture::mending

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <string>
 
 #include <doctest/doctest.h>
 
 #include "fracture/base/random.h"
+#include "fracture/mesh/intersections.h"
 #include "fracture/mesh/topology.h"
 #include "fracture/shapes/shapes.h"
 #include "tests/fracture/mesh_checks.h"
@@ -229,4 +231,92 @@ TEST_CASE("a one-sided surface is cut and closed") {
     check_promises(moebius, repaired);
     CHECK(is_manifold(repaired.mesh));
     CHECK(repaired.report.cut_edges.count > 0);
+}
+
+namespace {
+
+// A ball without the cap above a height.
+TriangleMesh open_ball(double height) {
+    const TriangleMesh ball = icosphere(4);
+    TriangleMesh open{ball.positions, {}};
+    for (const Triangle& t : ball.triangles)
+        if (ball.positions[t.x].y + ball.positions[t.y].y + ball.positions[t.z].y < 3.0 * height)
+            open.triangles.push_back(t);
+    return open;
+}
+
+// Hills over a square, whose rim goes up and down with them.
+TriangleMesh terrain(uint32_t n) {
+    TriangleMesh mesh;
+    for (uint32_t j = 0; j <= n; ++j)
+        for (uint32_t i = 0; i <= n; ++i) {
+            const double u = static_cast<double>(i) / n, v = static_cast<double>(j) / n;
+            const double y = 0.2 * std::sin(9.0 * u) * std::cos(7.0 * v) + 0.1 * std::sin(23.0 * u + 3.0 * v);
+            mesh.positions.emplace_back(u, y, v);
+        }
+    for (uint32_t j = 0; j < n; ++j)
+        for (uint32_t i = 0; i < n; ++i) {
+            const uint32_t a = j * (n + 1) + i, b = a + 1, c = a + n + 1, d = c + 1;
+            mesh.triangles.emplace_back(a, d, b);
+            mesh.triangles.emplace_back(a, c, d);
+        }
+    return mesh;
+}
+
+RepairSettings with(RepairSettings::Remesh remesh) {
+    RepairSettings settings;
+    settings.remesh_holes = remesh;
+    return settings;
+}
+
+// The furthest that new vertices are from the unit sphere.
+double furthest_from_sphere(const TriangleMesh& open, const Repaired& repaired) {
+    double furthest = 0.0;
+    for (size_t v = open.positions.size(); v < repaired.mesh.positions.size(); ++v)
+        furthest = std::max(furthest, std::abs(glm::length(repaired.mesh.positions[v]) - 1.0));
+    return furthest;
+}
+
+} // namespace
+
+TEST_CASE("a hole in a ball is closed flat, or so that the curvature goes on") {
+    const TriangleMesh open = open_ball(0.8);
+    const auto closed = [&](RepairSettings::Remesh remesh) {
+        const Repaired repaired = repair(open, with(remesh));
+        CHECK(check_topology(repaired.mesh.positions.size(), repaired.mesh.triangles).manifold());
+        CHECK(repaired.report.crossing_fills.count == 0);
+        CHECK(repair(repaired.mesh).mesh.triangles == repaired.mesh.triangles);
+        return repaired;
+    };
+    const Repaired plain = closed(RepairSettings::Remesh::none), flat = closed(RepairSettings::Remesh::flat),
+                   smooth = closed(RepairSettings::Remesh::smooth);
+    CHECK(plain.mesh.positions.size() == open.positions.size());
+    CHECK(flat.report.new_vertices.count > 50);
+    CHECK(flat.mesh.triangles == smooth.mesh.triangles); // only the places of the vertices differ
+    CHECK(furthest_from_sphere(open, flat) > 0.15);
+    CHECK(furthest_from_sphere(open, smooth) < 0.04);
+    // As dense as around: the longest edge of the fill is not twice the longest of the ball.
+    const auto longest = [](const TriangleMesh& mesh, size_t first) {
+        double length = 0.0;
+        for (size_t t = first; t < mesh.triangles.size(); ++t)
+            for (int k = 0; k < 3; ++k)
+                length = std::max(length, glm::distance(mesh.positions[mesh.triangles[t][k]],
+                                                        mesh.positions[mesh.triangles[t][(k + 1) % 3]]));
+        return length;
+    };
+    CHECK(longest(smooth.mesh, open.triangles.size()) < 2.0 * longest(open, 0));
+}
+
+TEST_CASE("of the fills of a hilly rim the one that crosses the surface least is taken, and the rest is told") {
+    for (const auto remesh : {RepairSettings::Remesh::none, RepairSettings::Remesh::flat, RepairSettings::Remesh::smooth}) {
+        const TriangleMesh open = terrain(24);
+        const Repaired repaired = repair(open, with(remesh));
+        CHECK(check_topology(repaired.mesh.positions.size(), repaired.mesh.triangles).manifold());
+        const uint64_t found = find_intersections(repaired.mesh, 100'000'000).pairs;
+        CHECK(repaired.report.crossing_fills.count == (found > 0 ? 1 : 0));
+        CHECK(repaired.report.fill_crossings == found);
+        // The fill in projection, which keeps the rim's heights, passes through every hill.
+        CHECK(found < 250);
+        CHECK((found == 0 || describe(repaired.report).find("closed across the surface") != std::string::npos));
+    }
 }

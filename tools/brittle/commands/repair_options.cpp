@@ -23,6 +23,18 @@ void add_repair(CLI::App& app, Run& run) {
         .add_option("--close-holes", command->settings.close_holes,
                     "Maximum length of the rim of a hole that is closed, metres. By default all holes are closed.")
         ->check(CLI::NonNegativeNumber);
+    using Remesh = fracture::RepairSettings::Remesh;
+    repair
+        .add_option_function<std::string>(
+            "--remesh-holes",
+            [command](const std::string& how) {
+                command->settings.remesh_holes = how == "flat" ? Remesh::flat : Remesh::smooth;
+            },
+            "Give the fills of holes new vertices, as dense as the surface around. flat: in the plane of each triangle "
+            "of "
+            "the fill. smooth: so that the curvature around goes on.")
+        ->check(CLI::IsMember({"flat", "smooth"}))
+        ->type_name("HOW");
     repair.add_flag("--cavities", command->settings.cavities,
                     "Make each part that lies wholly inside another a cavity of it, whichever way it faces");
     repair.add_flag("--overlaps", command->settings.covered_parts,
