@@ -47,8 +47,8 @@ struct Settings {
     WorkLog* work_log = nullptr;
     // Called with the completed share of the work, in [0, 1], by one thread at a time. May be empty.
     std::function<void(double)> progress{};
-    // Polled by one thread at a time; returning true ends the fracture with Status::cancelled. Algorithm::exact polls
-    // between its phases. May be empty.
+    // Polled by one thread at a time, many times in each phase; returning true ends the fracture with Status::cancelled
+    // within milliseconds. May be empty.
     std::function<bool()> cancelled{};
 };
 

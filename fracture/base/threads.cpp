@@ -4,6 +4,8 @@
 #include <atomic>
 #include <cassert>
 #include <chrono>
+#include <exception>
+#include <mutex>
 #include <thread>
 #include <vector>
 
@@ -22,12 +24,22 @@ constexpr uint32_t max_threads = 256;
 template<class Body>
 void parallel(uint32_t threads, uint32_t count, const Body& body) {
     std::atomic<uint32_t> next = 0;
-    std::vector<std::jthread> workers;
-    for (uint32_t t = 0; t < threads; ++t) {
-        workers.emplace_back([&, t] {
-            for (uint32_t k = next++; k < count; k = next++) body(k, t);
-        });
+    std::exception_ptr failure;
+    std::mutex failing;
+    {
+        std::vector<std::jthread> workers;
+        for (uint32_t t = 0; t < threads; ++t) {
+            workers.emplace_back([&, t] {
+                try {
+                    for (uint32_t k = next++; k < count; k = next++) body(k, t);
+                } catch (...) {
+                    const std::lock_guard lock(failing);
+                    failure = std::current_exception();
+                }
+            });
+        }
     }
+    if (failure) std::rethrow_exception(failure);
 }
 #endif
 
@@ -45,6 +57,13 @@ struct Threads::Arena {
     tbb::task_arena arena;
 };
 
+struct Threads::Question {
+    explicit Question(const std::function<bool()>& q) : ask(q) {}
+    const std::function<bool()>& ask;
+    std::mutex asking;
+    std::atomic<bool> answered_yes = false;
+};
+
 Threads::Threads(uint32_t count)
     : count_(std::clamp(count == 0 ? std::thread::hardware_concurrency() : count, 1u, max_threads)),
       arena_(count_ > 1 ? std::make_unique<Arena>(std::clamp(std::thread::hardware_concurrency(), 2u, count_))
@@ -57,6 +76,18 @@ Threads& Threads::operator=(Threads&&) noexcept = default;
 uint32_t Threads::chunks(uint32_t n, uint32_t min_size) const {
     if (count_ == 1) return 1;
     return std::clamp(n / std::max(min_size, 1u), 1u, chunks_per_thread * count_);
+}
+
+void Threads::cancel_by(const std::function<bool()>& question) {
+    question_ = question ? std::make_unique<Question>(question) : nullptr;
+}
+
+void Threads::poll() const {
+    if (!question_) return;
+    // A thread that finds another one asking goes on; its next poll sees the answer.
+    if (const std::unique_lock lock(question_->asking, std::try_to_lock); lock && question_->ask())
+        question_->answered_yes = true;
+    if (question_->answered_yes) throw Cancelled{};
 }
 
 void Threads::log_to(WorkLog* log) {
@@ -86,10 +117,14 @@ void Threads::run(uint32_t n, uint32_t count, Call invoke, const void* body) {
     void* const callee = const_cast<void*>(body);
     const auto bound = [&](uint32_t k) { return static_cast<uint32_t>(static_cast<uint64_t>(n) * k / count); };
     if (!log_) {
-        each_chunk(count, [&](uint32_t k, uint32_t) { invoke(callee, k, bound(k), bound(k + 1)); });
+        each_chunk(count, [&](uint32_t k, uint32_t) {
+            poll();
+            invoke(callee, k, bound(k), bound(k + 1));
+        });
         return;
     }
     each_chunk(count, [&](uint32_t k, uint32_t thread) {
+        poll();
         const int64_t from = now();
         invoke(callee, k, bound(k), bound(k + 1));
         assert(thread < log_->slices_.size());

@@ -6,10 +6,14 @@
 //     Threads threads(4);
 //     threads.for_chunks(n, 1024, [&](uint32_t, uint32_t begin, uint32_t end) { ... });
 //
+// A loop can be cancelled: cancel_by() sets a question, poll() asks it, and the loop ends with the exception Cancelled
+// where the answer is yes. The exception stays inside the library: public functions return Status::cancelled.
+//
 // Not synchronised: one loop at a time.
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <type_traits>
 
@@ -25,6 +29,18 @@ class Threads {
     Threads& operator=(Threads&&) noexcept;
 
     [[nodiscard]] uint32_t count() const { return count_; }
+
+    struct Cancelled {}; // thrown by poll() and by loops
+
+    // Sets the question that cancels later loops: true ends them. One thread at a time asks it. Empty: none. It must
+    // outlive the loops. Must not be called while a loop runs.
+    void cancel_by(const std::function<bool()>& question);
+    // Asks the question and throws Cancelled where the answer is yes. Loops poll before each chunk.
+    void poll() const;
+    // Polls at every 256th item: for the bodies of long loops, from any thread.
+    void poll(uint32_t item) const {
+        if (item % 256 == 0) poll();
+    }
 
     // Sets the log of all later loops; null for none. Must not be called while a loop runs.
     void log_to(WorkLog* log);
@@ -61,10 +77,12 @@ class Threads {
     void each_chunk(uint32_t count, const Body& body); // body(chunk, thread)
 
     struct Arena;
+    struct Question;
     uint32_t count_;
     const char* step_ = "";
     WorkLog* log_ = nullptr;
     std::unique_ptr<Arena> arena_;
+    std::unique_ptr<Question> question_; // null for none
 };
 
 } // namespace brittle::fracture

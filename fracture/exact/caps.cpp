@@ -423,6 +423,7 @@ bool Capper::run(const Scene& scene, const VoronoiDiagram& diagram, const Windin
         out.triangles.clear();
         workers_[k].start();
         for (uint32_t f = begin; f < end; ++f) {
+            threads.poll(f);
             workers_[k].cap(context, f,
                             std::span(points_).subspan(points_begin_[f], points_begin_[f + 1] - points_begin_[f]), out);
         }

@@ -107,6 +107,7 @@ void classify(const Diagram& problem, const VoronoiDiagram& diagram, const Frame
     threads.for_chunks(count, min_vertices_per_chunk, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
         Hints hints(problem.box, end - begin, anywhere);
         for (uint32_t v = begin; v < end; ++v) {
+            threads.poll(v);
             KnownBall& ball = hints.at(positions[v]);
             if (guessed) {
                 if ((cell_of[v] & Classifier::uncertain) == 0) continue;

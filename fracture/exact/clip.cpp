@@ -394,6 +394,7 @@ void TriangleCutter::run(const Scene& scene, const VoronoiDiagram& diagram, cons
         Worker& worker = workers_[k];
         worker.start(cut.chunks[k]);
         for (uint32_t x = begin; x < end; ++x) {
+            threads.poll(x);
             const CrossingTriangle& crossing = cut.crossing[x];
             const Triangle& t = triangles[crossing.triangle];
             if (crossing.count[0] + crossing.count[1] + crossing.count[2] == 2) {

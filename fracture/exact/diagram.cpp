@@ -74,6 +74,7 @@ void DiagramBuilder::build_cells(const Diagram& problem, Threads& threads, Voron
         chunk.rings.clear();
         chunk.ring_sizes.clear();
         for (SiteId c = begin; c < end; ++c) {
+            threads.poll(c);
             out.cell_is_empty[c] = chunk.builder.build(problem, tree_, c) ? 0 : 1;
             CellRef& cell = cells_[c];
             cell.chunk = k;

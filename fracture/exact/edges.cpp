@@ -138,6 +138,7 @@ void EdgeCutter::run(const Scene& scene, const VoronoiDiagram& diagram, const Fr
         chunk.positions.clear();
         chunk.stats = {};
         for (uint32_t x = begin; x < end; ++x) {
+            threads.poll(x);
             const Triangle& t = triangles[cut.crossing[x].triangle];
             for (int e = 0; e < 3; ++e) {
                 const uint32_t from = t[e], to = t[e == 2 ? 0 : e + 1];

@@ -48,31 +48,92 @@ namespace {
 // Times the phases, reports progress after each and checks for cancellation.
 class PhaseClock {
   public:
-    PhaseClock(const Settings& settings, Fragments& out) : settings_(settings), out_(out) { out.timings.clear(); }
+    PhaseClock(const Settings& settings, const Threads& threads, Fragments& out)
+        : settings_(settings), threads_(threads), out_(out) {
+        out.timings.clear();
+    }
 
-    // Ends a phase. Returns false where the fracture is cancelled.
-    [[nodiscard]] bool done(const char* phase, double share) {
+    // Ends a phase. Throws Threads::Cancelled.
+    void done(const char* phase, double share) {
         const auto now = std::chrono::steady_clock::now();
         out_.timings.push_back({phase, std::chrono::duration<double, std::milli>(now - last_).count()});
         if (settings_.progress) settings_.progress(share);
-        const bool go_on = !settings_.cancelled || !settings_.cancelled();
+        threads_.poll();
         last_ = std::chrono::steady_clock::now();
-        return go_on;
     }
 
   private:
     const Settings& settings_;
+    const Threads& threads_;
     Fragments& out_;
     std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
-Error cancelled() {
-    return {Status::cancelled, "the fracture was cancelled"};
-}
-
 Error not_closed() {
     return {Status::invalid_mesh, "the cuts of a closed surface do not close: this is a bug in Brittle; please "
                                   "report the mesh and the sites"};
+}
+
+// The phases. Throws Threads::Cancelled.
+Result<void> run_phases(const TriangleMesh& mesh, std::span<const glm::dvec3> sites, const Settings& settings,
+                        Scratch::State& s, Fragments& out) {
+    s.statistics = {};
+    PredicateStats& stats = s.statistics.predicates;
+    PhaseClock clock(settings, s.threads, out);
+
+    s.threads.name_step("prepare");
+    if (auto ok = make_scene(mesh, sites, settings.weights, s.threads, s.scene); !ok) return ok;
+    const Diagram problem = s.scene.diagram();
+    if (auto ok = s.surface.inspect(mesh, s.threads); !ok) return ok;
+    Classifier* const classifier = settings.weights.empty() ? settings.classifier : nullptr; // not weighted
+    bool guessed = classifier && classifier->start({s.scene.positions, mesh.triangles, s.scene.sites, s.scene.box});
+    clock.done("prepare", 0.05);
+
+    s.threads.name_step("cells");
+    s.diagram_builder.build(problem, s.threads, s.diagram);
+    s.frames.build(problem, s.diagram, s.threads);
+    stats += s.diagram_builder.stats();
+    clock.done("cells", 0.3);
+
+    s.threads.name_step("classify");
+    s.cell_of.resize(mesh.positions.size());
+    s.cell_of_triangle.resize(mesh.triangles.size());
+    guessed = guessed && classifier->finish(s.cell_of, s.cell_of_triangle);
+    classify(problem, s.diagram, s.frames, s.scene.positions, guessed, s.threads, s.cell_of, stats);
+    sort_triangles(s.surface, mesh.triangles, s.cell_of, guessed, s.threads, s.cell_of_triangle, s.cut);
+    clock.done("classify", 0.4);
+
+    s.threads.name_step("cut edges");
+    s.edge_cutter.run(s.scene, s.diagram, s.frames, mesh.triangles, s.cell_of, s.threads, s.cut, stats);
+    s.threads.name_step("cut triangles");
+    s.triangle_cutter.run(s.scene, s.diagram, s.frames, mesh.triangles, s.cell_of, s.threads, s.cut, stats);
+    clock.done("clip", 0.6);
+
+    s.threads.name_step("winding");
+    s.winding.compute(s.scene, s.diagram, mesh.triangles, s.cut, s.threads, stats);
+    s.threads.name_step("caps");
+    const bool closed = s.capper.run(s.scene, s.diagram, s.winding, s.cut, s.threads);
+    s.statistics.forced_ears = s.capper.forced_ears();
+    if (!closed) return not_closed();
+    clock.done("caps", 0.75);
+
+    s.threads.name_step("assemble");
+    const Assembler::Input input{mesh,  s.scene,          s.surface, s.diagram, s.cell_of, s.cell_of_triangle,
+                                 s.cut, s.capper.chunks()};
+    s.assembler.run(input, s.threads, out);
+    clock.done("assemble", 0.85);
+
+    s.threads.name_step("slivers");
+    s.slivers.run(input, s.assembler.cells(), s.threads, out);
+    s.statistics.slivers = s.slivers.found();
+    s.statistics.slivers_left = s.slivers.left();
+    clock.done("slivers", 0.9);
+
+    s.threads.name_step("islands");
+    s.islands.run(input, s.assembler.cells(), s.threads, out);
+    s.bonds.run(s.scene.sites, out);
+    clock.done("islands", 1.0);
+    return {};
 }
 
 } // namespace
@@ -89,63 +150,12 @@ Result<void> fracture_exact(const TriangleMesh& mesh, std::span<const glm::dvec3
         s.requested_threads = settings.threads;
     }
     s.threads.log_to(settings.work_log);
-    s.statistics = {};
-    PredicateStats& stats = s.statistics.predicates;
-    PhaseClock clock(settings, out);
-
-    s.threads.name_step("prepare");
-    if (auto ok = make_scene(mesh, sites, settings.weights, s.threads, s.scene); !ok) return ok;
-    const Diagram problem = s.scene.diagram();
-    if (auto ok = s.surface.inspect(mesh, s.threads); !ok) return ok;
-    Classifier* const classifier = settings.weights.empty() ? settings.classifier : nullptr; // not weighted
-    bool guessed = classifier && classifier->start({s.scene.positions, mesh.triangles, s.scene.sites, s.scene.box});
-    if (!clock.done("prepare", 0.05)) return cancelled();
-
-    s.threads.name_step("cells");
-    s.diagram_builder.build(problem, s.threads, s.diagram);
-    s.frames.build(problem, s.diagram, s.threads);
-    stats += s.diagram_builder.stats();
-    if (!clock.done("cells", 0.3)) return cancelled();
-
-    s.threads.name_step("classify");
-    s.cell_of.resize(mesh.positions.size());
-    s.cell_of_triangle.resize(mesh.triangles.size());
-    guessed = guessed && classifier->finish(s.cell_of, s.cell_of_triangle);
-    classify(problem, s.diagram, s.frames, s.scene.positions, guessed, s.threads, s.cell_of, stats);
-    sort_triangles(s.surface, mesh.triangles, s.cell_of, guessed, s.threads, s.cell_of_triangle, s.cut);
-    if (!clock.done("classify", 0.4)) return cancelled();
-
-    s.threads.name_step("cut edges");
-    s.edge_cutter.run(s.scene, s.diagram, s.frames, mesh.triangles, s.cell_of, s.threads, s.cut, stats);
-    s.threads.name_step("cut triangles");
-    s.triangle_cutter.run(s.scene, s.diagram, s.frames, mesh.triangles, s.cell_of, s.threads, s.cut, stats);
-    if (!clock.done("clip", 0.6)) return cancelled();
-
-    s.threads.name_step("winding");
-    s.winding.compute(s.scene, s.diagram, mesh.triangles, s.cut, s.threads, stats);
-    s.threads.name_step("caps");
-    const bool closed = s.capper.run(s.scene, s.diagram, s.winding, s.cut, s.threads);
-    s.statistics.forced_ears = s.capper.forced_ears();
-    if (!closed) return not_closed();
-    if (!clock.done("caps", 0.75)) return cancelled();
-
-    s.threads.name_step("assemble");
-    const Assembler::Input input{mesh,  s.scene,          s.surface, s.diagram, s.cell_of, s.cell_of_triangle,
-                                 s.cut, s.capper.chunks()};
-    s.assembler.run(input, s.threads, out);
-    if (!clock.done("assemble", 0.85)) return cancelled();
-
-    s.threads.name_step("slivers");
-    s.slivers.run(input, s.assembler.cells(), s.threads, out);
-    s.statistics.slivers = s.slivers.found();
-    s.statistics.slivers_left = s.slivers.left();
-    if (!clock.done("slivers", 0.9)) return cancelled();
-
-    s.threads.name_step("islands");
-    s.islands.run(input, s.assembler.cells(), s.threads, out);
-    s.bonds.run(s.scene.sites, out);
-    if (!clock.done("islands", 1.0)) return cancelled();
-    return {};
+    s.threads.cancel_by(settings.cancelled);
+    try {
+        return run_phases(mesh, sites, settings, s, out);
+    } catch (const Threads::Cancelled&) {
+        return Error{Status::cancelled, "the fracture was cancelled"};
+    }
 }
 
 Result<Fragments> fracture_exact(const TriangleMesh& mesh, std::span<const glm::dvec3> sites,

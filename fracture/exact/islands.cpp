@@ -165,7 +165,10 @@ void IslandSplitter::run(const Assembler::Input& input, std::span<const CellRun>
     threads.for_chunks(count, min_cells_per_chunk, [&](uint32_t k, uint32_t begin, uint32_t end) {
         Chunk& chunk = chunks_[k];
         chunk.pieces.clear();
-        for (SiteId c = begin; c < end; ++c) split_cell(c, cells[c], chunk, out);
+        for (SiteId c = begin; c < end; ++c) {
+            threads.poll(c);
+            split_cell(c, cells[c], chunk, out);
+        }
         for (Piece& piece : chunk.pieces) {
             piece.mass = mass_properties(out.positions_of(piece), out.triangles_of(piece));
         }

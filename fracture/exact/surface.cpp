@@ -55,7 +55,7 @@ void unite(std::vector<uint32_t>& parent, uint32_t a, uint32_t b) {
 
 Result<void> Surface::inspect(const TriangleMesh& mesh, Threads& threads) {
     if (!is_known(mesh, threads)) {
-        known_.clear();
+        is_complete_ = false;
         if (!check_.run(mesh.positions.size(), mesh.triangles, threads)) return unsound(mesh);
         find_components(mesh, threads);
         known_.resize(mesh.triangles.size());
@@ -63,12 +63,14 @@ Result<void> Surface::inspect(const TriangleMesh& mesh, Threads& threads) {
             static_cast<uint32_t>(known_.size()), min_triangles_per_chunk, [&](uint32_t, uint32_t begin, uint32_t end) {
                 std::copy(mesh.triangles.begin() + begin, mesh.triangles.begin() + end, known_.begin() + begin);
             });
+        is_complete_ = true;
     }
     return {};
 }
 
 bool Surface::is_known(const TriangleMesh& mesh, Threads& threads) const {
-    if (known_.size() != mesh.triangles.size() || component_.size() != mesh.positions.size()) return false;
+    if (!is_complete_ || known_.size() != mesh.triangles.size() || component_.size() != mesh.positions.size())
+        return false;
     std::atomic<bool> equal = true;
     threads.for_chunks(static_cast<uint32_t>(known_.size()), min_triangles_per_chunk,
                        [&](uint32_t, uint32_t begin, uint32_t end) {

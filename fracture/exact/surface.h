@@ -36,6 +36,7 @@ class Surface {
 
     ManifoldCheck check_;
     std::vector<Triangle> known_; // the last mesh that passed
+    bool is_complete_ = false;    // whether known_ and component_ are: neither an error nor a cancellation left them
     std::vector<uint32_t> component_;
     uint32_t component_count_ = 0;
     bool leaves_triangles_out_ = false;

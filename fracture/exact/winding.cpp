@@ -135,7 +135,10 @@ void Winding::compute(const Scene& scene, const VoronoiDiagram& diagram, std::sp
     const auto edges = static_cast<uint32_t>(diagram.edges.size());
     std::vector<PredicateStats> part(threads.chunks(edges, min_edges_per_chunk));
     threads.for_chunks(edges, min_edges_per_chunk, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
-        for (uint32_t e = begin; e < end; ++e) sort_edge(scene, diagram, triangles, cut, e, part[chunk]);
+        for (uint32_t e = begin; e < end; ++e) {
+            threads.poll(e);
+            sort_edge(scene, diagram, triangles, cut, e, part[chunk]);
+        }
     });
     for (const PredicateStats& p : part) stats += p;
 }

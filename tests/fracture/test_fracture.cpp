@@ -481,7 +481,7 @@ TEST_CASE("the result does not depend on the number of threads or on the run") {
     CHECK_FALSE(hashes.contains(hash(*fracture(mesh, uniform_sites(bounds(mesh), 30, 10)))));
 }
 
-TEST_CASE("a fracture can be cancelled between any two phases, and its workspace remains usable") {
+TEST_CASE("a fracture can be cancelled within any phase, and its workspace remains usable") {
     const TriangleMesh mesh = icosphere(3);
     const Sites sites = uniform_sites(bounds(mesh), 30, 1);
     for (const Algorithm algorithm : {Algorithm::exact, Algorithm::sequential}) {
@@ -498,7 +498,7 @@ TEST_CASE("a fracture can be cancelled between any two phases, and its workspace
             is_done = bool(done);
             if (!is_done) CHECK(done.error().status == Status::cancelled);
         }
-        CHECK(phases > 5);
+        CHECK(phases > (algorithm == Algorithm::exact ? 60 : 5));
         settings.cancelled = {};
         REQUIRE(fracture(mesh, sites, settings, workspace, out));
         CHECK(hash(out) == expected);

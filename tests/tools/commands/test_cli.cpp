@@ -8,8 +8,10 @@
 #include <map>
 #include <set>
 #include <string>
+#include <vector>
 
 #include <nlohmann/json.hpp>
+#include <sys/stat.h>
 
 #include "tests/tools/support.h"
 
@@ -503,20 +505,30 @@ TEST_CASE("profile refuses impossible requests before any work") {
     refused("shape:cube -n 2 --repeats 1 --frames 0 --csv " + (folder / "no/such.csv"), 5, "no/such");
 }
 
-TEST_CASE("Ctrl+C ends a long command and leaves no half-written file") {
+TEST_CASE("a signal ends a long command, wherever it is, and leaves no half-written file") {
     const Folder folder;
-    // The work would take minutes. The program must get the signal once and alone: a second one ends it at once.
-    // run_brittle() cannot be used, because its own time limit would pass the signal on, and the signal must not go to
-    // the whole process group.
-    const std::string log = folder / "output";
-    const int status = std::system(("/usr/bin/timeout --foreground --preserve-status -s INT 1 " BRITTLE_PROGRAM
-                                    " fracture shape:animal -n 3000 --algorithm sequential -o "
-                                    + (folder / "out.glb") + " > " + log + " 2>&1")
-                                       .c_str());
-    CHECK(WEXITSTATUS(status) == 130);
-    CHECK(read_text(log).find("cancelled") != std::string::npos);
-    std::filesystem::remove(log);
-    CHECK(folder.files() == 0);
+    // The work would take minutes, or wait for ever. The program must get the signal once and alone: a second one ends
+    // it at once. A third after five seconds kills a program that ignores the first. run_brittle() cannot be used,
+    // because its own time limit would pass the signal on, and the signal must not go to the whole process group.
+    const std::string log = folder / "output", pipe = folder / "pipe";
+    REQUIRE(::mkfifo(pipe.c_str(), 0600) == 0);
+    const std::vector<std::string> works{
+        "INT:fracture shape:animal -n 3000 --algorithm sequential", "INT:fracture shape:animal -n 1000000",
+        "TERM:fracture shape:cube --sites " + pipe, "TERM:render shape:cube --size 64x48 --sites " + pipe};
+    for (const std::string& work : works) {
+        CAPTURE(work);
+        const size_t colon = work.find(':');
+        const std::string output = folder / (work.substr(colon + 1, 1) == "f" ? "out.glb" : "out.png");
+        const int status =
+            std::system(("/usr/bin/timeout --foreground --preserve-status -k 5 -s " + work.substr(0, colon)
+                         + " 1 " BRITTLE_PROGRAM " " + work.substr(colon + 1) + " -o " + output + " > " + log + " 2>&1")
+                            .c_str());
+        CHECK(WEXITSTATUS(status) == 130);
+        const std::string text = read_text(log);
+        CHECK((text.find("cancelled") != std::string::npos || text.find("interrupted") != std::string::npos));
+        std::filesystem::remove(log);
+        CHECK(folder.files() == 1); // the pipe
+    }
 }
 
 TEST_CASE("a minimum volume gives fewer pieces, and none below it") {

@@ -8,6 +8,16 @@ void catch_interrupts();
 
 [[nodiscard]] bool is_interrupted();
 
+// While one lives, an interrupted program that does not end by itself within 0.4 s ends at once with exit_interrupted,
+// wherever it is: in a library, or waiting for a pipe. For work whose only results are files that are renamed as a whole.
+class InterruptDeadline {
+  public:
+    InterruptDeadline();
+    ~InterruptDeadline();
+    InterruptDeadline(const InterruptDeadline&) = delete;
+    InterruptDeadline& operator=(const InterruptDeadline&) = delete;
+};
+
 // Throws a Failure with exit_interrupted if is_interrupted().
 void throw_if_interrupted();
 

@@ -16,6 +16,7 @@ namespace brittle::tools {
 
 int run_fracture(const FractureCommand& command) {
     catch_interrupts();
+    const InterruptDeadline deadline;
     const Input input = load_input(command.fracture, true);
     for (const std::string& note : input.model.notes)
         std::fprintf(stderr, "brittle: %s: %s\n", input.name.c_str(), note.c_str());

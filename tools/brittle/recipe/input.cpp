@@ -226,6 +226,7 @@ std::string overlap_of(const fracture::TriangleMesh& mesh) {
 
 Input load_input(const FractureOptions& options, bool with_looks) {
     if (options.mesh.empty()) throw Failure(exit_usage, "no mesh: give a file, shape:NAME, or a recipe that names one");
+    const InterruptDeadline deadline; // nothing is lost yet
     Input input = load_mesh_only(options.mesh, with_looks);
     if (!options.save_recipe.empty()) write_recipe(options.save_recipe, options);
     prepare_mesh(options, input);
