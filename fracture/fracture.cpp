@@ -19,6 +19,7 @@
 #include "fracture/mesh/islands.h"
 #include "fracture/mesh/mass_properties.h"
 #include "fracture/mesh/topology.h"
+#include "fracture/pieces/certificate.h"
 #include "fracture/pieces/merge.h"
 #include "fracture/sequential/sequential.h"
 
@@ -40,9 +41,15 @@ constexpr uint32_t max_threads = 1024;
 
 // The relative volume, in units of the area times the diagonal of the box, that is zero up to rounding.
 constexpr double min_volume = 1e-15;
-// The relative volume, in units of the cubed diagonal of the box, above which a solid needs no closer check. Most
-// solids exceed it.
+// The relative volume, in units of the squared diagonal of the box times the diagonal or the largest coordinate, above
+// which a solid needs no closer check. Most solids exceed it.
 constexpr double ample_volume = 1e-6;
+
+// The largest coordinate, by magnitude.
+double extent_of(const Box& box) {
+    const glm::dvec3 furthest = glm::max(glm::abs(box.min), glm::abs(box.max));
+    return std::max({furthest.x, furthest.y, furthest.z});
+}
 
 bool in_range(const glm::dvec3& p) {
     // Comparisons with NaN are false.
@@ -127,8 +134,7 @@ Result<HalfEdgeMesh> build_solid(const TriangleMesh& mesh) {
     return without;
 }
 
-// Returns whether the volume exceeds the threshold of is_flat() for any piece inside the box. Most pieces pass, so
-// their vertices need no scan.
+// Returns whether the volume certainly exceeds the threshold of is_flat(). Most pieces pass and need no scan.
 bool is_ample(const MassProperties& mass, const Box& box, double extent) {
     const double diagonal = glm::length(box.size());
     return mass.volume > 1e-12 * (mass.area * extent + diagonal * diagonal * diagonal);
@@ -138,21 +144,60 @@ bool is_ample(const MassProperties& mass, const Box& box, double extent) {
 // a bisector runs along a face of the solid, symbolic perturbation may leave a sheet of zero thickness in the cell
 // across.
 void merge(const Settings& settings, const Box& box, Fragments& fragments) {
-    const glm::dvec3 furthest = glm::max(glm::abs(box.min), glm::abs(box.max));
-    const double extent = std::max({furthest.x, furthest.y, furthest.z});
+    const double extent = extent_of(box);
     std::vector<uint8_t> flat;
     for (size_t p = 0; p < fragments.pieces.size(); ++p) {
         const Piece& piece = fragments.pieces[p];
-        if (is_ample(piece.mass, box, extent) || !is_flat(piece.mass, fragments.positions_of(piece), extent)) continue;
+        if (is_ample(piece.mass, box, extent)) continue;
+        const bool is_cut = piece.exterior_triangles < piece.triangles.size();
+        if (!is_flat(piece.mass, fragments.positions_of(piece), fragments.triangles_of(piece), is_cut ? extent : 0.0))
+            continue;
         flat.resize(fragments.pieces.size(), 0);
         flat[p] = 1;
     }
     if (flat.empty() && settings.groups.empty() && settings.min_volume <= 0.0) return;
     const auto start = std::chrono::steady_clock::now();
     Threads threads(settings.threads);
+    threads.cancel_by(settings.cancelled);
     merge_pieces(fragments, choose_mergers(fragments, {settings.groups, settings.min_volume, flat}), threads);
     const std::chrono::duration<double, std::milli> elapsed = std::chrono::steady_clock::now() - start;
     fragments.timings.push_back({"merge", elapsed.count()});
+}
+
+double volume_of(const Fragments& fragments) {
+    double sum = 0.0;
+    for (const Piece& piece : fragments.pieces) sum += piece.mass.volume;
+    return sum;
+}
+
+// Checks that every piece has positive volume and that together they have the given volume, that of the mesh.
+Result<void> check_pieces(const Fragments& fragments, double volume) {
+    const double missing = volume - volume_of(fragments);
+    if (std::abs(missing) > max_volume_error * std::abs(volume)) {
+        char text[320];
+        std::snprintf(text, sizeof text,
+                      "the pieces miss %.2g of the volume, because parts of the mesh are as thin as the rounding of "
+                      "their coordinates; move the mesh to the origin, thicken it or choose fewer sites",
+                      std::abs(missing / volume));
+        return Error{Status::lost_volume, text};
+    }
+    size_t inverted = 0;
+    const Piece* first = nullptr;
+    for (const Piece& piece : fragments.pieces) {
+        if (piece.mass.volume > 0.0) continue;
+        if (!first) first = &piece;
+        ++inverted;
+    }
+    if (!first) return {};
+    const glm::dvec3& at = first->mass.centre_of_mass;
+    char text[384];
+    std::snprintf(
+        text, sizeof text,
+        "the surface turns itself inside out near (%g, %g, %g): %zu of %zu pieces would have negative volume, "
+        "there %g in the cell of site %u; turn parts that face inwards (--repair), or unite parts that "
+        "pass through each other (--unite)",
+        at.x, at.y, at.z, inverted, fragments.pieces.size(), first->mass.volume, first->site);
+    return Error{Status::inverted_part, text};
 }
 
 // Returns whether the only fault is one that split_fans() repairs: several fans at a vertex.
@@ -199,14 +244,18 @@ Result<void> run_exact(const TriangleMesh& mesh, const Box& box, std::span<const
     }
     if (!done) return done;
     // The sum over the pieces gives the volume of the mesh, so it is integrated only in doubtful cases.
-    double volume = 0.0;
-    for (const Piece& piece : out.pieces) volume += piece.mass.volume;
+    double volume = volume_of(out);
     const double diagonal = glm::length(box.size());
-    if (!(volume > ample_volume * diagonal * diagonal * diagonal)) {
+    if (!(volume > ample_volume * diagonal * diagonal * std::max(diagonal, extent_of(box)))) {
         if (Result<void> checked = check_volume(mesh, box); !checked) return checked;
+        volume = signed_volume(mesh.positions, mesh.triangles);
     }
-    merge(settings, box, out);
-    return {};
+    try {
+        merge(settings, box, out);
+    } catch (const Threads::Cancelled&) {
+        return Error{Status::cancelled, "the fracture was cancelled"};
+    }
+    return check_pieces(out, volume);
 }
 
 Result<void> run_sequential(const TriangleMesh& mesh, const Box& box, std::span<const glm::dvec3> sites,
@@ -227,7 +276,7 @@ Result<void> run_sequential(const TriangleMesh& mesh, const Box& box, std::span<
     out = *std::move(fragments);
     number_points(mesh.positions, out);
     out.timings.insert(out.timings.begin(), {"prepare", elapsed.count()});
-    return {};
+    return check_pieces(out, signed_volume(mesh.positions, mesh.triangles));
 }
 
 } // namespace

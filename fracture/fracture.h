@@ -52,6 +52,9 @@ class Workspace {
 //  - not_oriented: the two triangles of an edge have opposite orientations.
 //  - no_volume: the enclosed volume is zero up to rounding.
 //  - inside_out: the enclosed volume is negative.
+//  - inverted_part: a piece has negative volume, because the surface passes through itself and is inside out there.
+//  - lost_volume: the volumes of the pieces miss that of the mesh by more than max_volume_error (certificate.h), because
+//    parts of the mesh are as thin as the rounding of coordinates.
 //  - invalid_sites: there are no sites, or a coordinate of a site is not finite or exceeds 1e50 in magnitude (for
 //    Algorithm::exact also: 1e30 times the size of the mesh).
 //  - invalid_setting: more than 1024 threads; a count of groups or weights that differs from the count of sites; a
@@ -62,10 +65,11 @@ class Workspace {
 // Degenerate input that is cut:
 //  - Solids that touch in a vertex: each is cut as if the vertex were its own.
 //  - Self-intersecting surfaces: a region of space counts as often as the surface winds around it. Every piece is
-//    closed and the signed volumes sum to the volume of the input, but pieces overlap where the input does. Inside-out
-//    parts give pieces of negative volume (Certificate::smallest_piece).
+//    closed and the volumes sum to the volume of the input, but pieces overlap where the input does. Where inside-out
+//    parts prevail in a piece, its volume is negative and the mesh is refused.
 //  - Components without volume, for example two triangles back to back: they give no piece.
-//  - Pieces whose volume is zero up to rounding: they are merged into a neighbour, or dropped if they have none.
+//  - Pieces whose volume is zero up to rounding of their own coordinates (is_flat() in mesh/islands.h): they are merged
+//    into a neighbour, or dropped if they have none.
 //  - Duplicate sites: the cell belongs to the site with the lowest index, the cells of the others are empty.
 [[nodiscard]] Result<Fragments> fracture(const TriangleMesh& mesh, std::span<const glm::dvec3> sites,
                                          const Settings& settings = {});

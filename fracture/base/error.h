@@ -24,6 +24,8 @@ enum class Status {
     not_oriented,       // adjacent triangles have opposite orientations
     inside_out,         // the enclosed volume is negative: the triangles face inwards
     no_volume,          // the enclosed volume is zero up to rounding
+    inverted_part,      // the enclosed volume is positive, but a piece has negative volume
+    lost_volume,        // the pieces miss a part of the enclosed volume that is larger than rounding
     invalid_sites,      // there are no sites, or a site is not finite or too far away
     invalid_setting,    // a setting is outside its documented range
     cancelled,          // Settings::cancelled returned true
@@ -53,6 +55,10 @@ enum class Status {
         return "inside_out";
     case Status::no_volume:
         return "no_volume";
+    case Status::inverted_part:
+        return "inverted_part";
+    case Status::lost_volume:
+        return "lost_volume";
     case Status::invalid_sites:
         return "invalid_sites";
     case Status::invalid_setting:

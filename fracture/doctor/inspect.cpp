@@ -207,6 +207,8 @@ std::string verdict(const Inspection& i) {
             return "refuses it: neighbouring triangles face opposite ways. brittle repair turns them.";
         case Status::inside_out:
             return "refuses it: it faces inwards. brittle repair turns it.";
+        case Status::inverted_part:
+            return "refuses it: a part faces inwards outside all others. brittle repair turns it.";
         case Status::no_volume:
             return "refuses it: it encloses nothing.";
         default:
@@ -214,8 +216,8 @@ std::string verdict(const Inspection& i) {
         }
     }
     if (i.intersections > 0)
-        return "takes it. Where it passes through itself, pieces overlap too: space counts as often as the "
-               "surface winds around it.";
+        return "takes it, unless a piece would be inside out. Where it passes through itself, pieces overlap too: "
+               "space counts as often as the surface winds around it.";
     return "takes it as it is.";
 }
 
@@ -262,6 +264,10 @@ Inspection inspect(const TriangleMesh& mesh, const InspectSettings& settings) {
         out.refusal = Status::no_volume;
     else if (out.volume < 0.0)
         out.refusal = Status::inside_out;
+    else if (out.intersections == 0 && out.all_pairs_seen
+             && std::any_of(out.components.begin(), out.components.end(),
+                            [](const auto& c) { return c.is_inside_out; }))
+        out.refusal = Status::inverted_part;
     return out;
 }
 

@@ -14,6 +14,7 @@ std::string certificate_json(const Certificate& c) {
                                   {"pieces", c.pieces},
                                   {"closed", c.closed},
                                   {"open_pieces", c.open_pieces},
+                                  {"negative_pieces", c.negative_pieces},
                                   {"volume_input", c.volume_input},
                                   {"volume_sum", c.volume_sum},
                                   {"volume_error", c.volume_error},

@@ -61,6 +61,17 @@ Result<void> check_lists(const Fragments& fragments, const ExportOptions& option
     return {};
 }
 
+// Checks that no piece would be written with a negative mass.
+Result<void> check_volumes(const Fragments& fragments) {
+    for (size_t p = 0; p < fragments.pieces.size(); ++p) {
+        const double volume = fragments.pieces[p].mass.volume;
+        if (volume < 0.0)
+            return Error{Status::inverted_part, "piece " + std::to_string(p) + " has a volume of "
+                                                    + std::to_string(volume) + ", so it is not written"};
+    }
+    return {};
+}
+
 Result<void> write_job(const std::filesystem::path& file, Writer writer, const ExportJob& job, Files& written) {
     Result<std::vector<OutputFile>> outputs = writer(job);
     if (!outputs) return Error{outputs.error().status, file.string() + ": " + outputs.error().message};
@@ -71,6 +82,30 @@ Result<void> write_job(const std::filesystem::path& file, Writer writer, const E
     }
     written.push_back(file);
     return {};
+}
+
+Result<Files> write_pieces(const std::filesystem::path& file, const Fragments& fragments,
+                           const Certificate& certificate, const ExportOptions& options) {
+    const Writer writer = writer_of(file);
+    if (!writer) return unsupported(file);
+    if (const Result<void> valid = check_lists(fragments, options); !valid) return valid.error();
+    std::vector<uint32_t> pieces(fragments.pieces.size());
+    std::iota(pieces.begin(), pieces.end(), 0u);
+    Files written;
+    if (!options.per_piece) {
+        const ExportJob job{fragments, certificate, options, pieces, file.stem().string()};
+        if (Result<void> done = write_job(file, writer, job, written); !done) return done.error();
+        return written;
+    }
+    for (const uint32_t piece : pieces) {
+        char number[16];
+        std::snprintf(number, sizeof number, "_%03u", piece);
+        const std::filesystem::path one =
+            file.parent_path() / (file.stem().string() + number + file.extension().string());
+        const ExportJob job{fragments, certificate, options, std::span(pieces).subspan(piece, 1), one.stem().string()};
+        if (Result<void> done = write_job(one, writer, job, written); !done) return done.error();
+    }
+    return written;
 }
 
 } // namespace
@@ -112,26 +147,8 @@ const std::vector<std::string>& exportable_extensions() {
 
 Result<Files> export_pieces(const std::filesystem::path& file, const Fragments& fragments,
                             const Certificate& certificate, const ExportOptions& options) {
-    const Writer writer = writer_of(file);
-    if (!writer) return unsupported(file);
-    if (const Result<void> valid = check_lists(fragments, options); !valid) return valid.error();
-    std::vector<uint32_t> pieces(fragments.pieces.size());
-    std::iota(pieces.begin(), pieces.end(), 0u);
-    Files written;
-    if (!options.per_piece) {
-        const ExportJob job{fragments, certificate, options, pieces, file.stem().string()};
-        if (Result<void> done = write_job(file, writer, job, written); !done) return done.error();
-        return written;
-    }
-    for (const uint32_t piece : pieces) {
-        char number[16];
-        std::snprintf(number, sizeof number, "_%03u", piece);
-        const std::filesystem::path one =
-            file.parent_path() / (file.stem().string() + number + file.extension().string());
-        const ExportJob job{fragments, certificate, options, std::span(pieces).subspan(piece, 1), one.stem().string()};
-        if (Result<void> done = write_job(one, writer, job, written); !done) return done.error();
-    }
-    return written;
+    if (const Result<void> positive = check_volumes(fragments); !positive) return positive.error();
+    return write_pieces(file, fragments, certificate, options);
 }
 
 Result<Files> export_model(const std::filesystem::path& file, const Model& model, const std::string& name) {
@@ -147,7 +164,7 @@ Result<Files> export_model(const std::filesystem::path& file, const Model& model
     piece.triangles.end = piece.exterior_triangles = static_cast<uint32_t>(whole.triangles.size());
     piece.mass = mass_properties(whole.positions, whole.triangles);
     whole.pieces.push_back(piece);
-    return export_pieces(file, whole, {}, {.name = name, .source = &model});
+    return write_pieces(file, whole, {}, {.name = name, .source = &model});
 }
 
 } // namespace brittle::fracture

@@ -14,11 +14,12 @@ namespace brittle::fracture {
 
 namespace {
 
-// The relative volume below which an island is not a solid. Rounding coordinates to 1e-16 of their size changes a
-// volume by area times size times 1e-16; its integral is rounded to 1e-16 of the length cubed. For example, a plate
-// with a width and coordinates of one metre is dropped below a thickness of 2e-15 m, a needle of one metre below a
-// thickness of 3e-8 m.
+// The volume, in units of area times largest coordinate, below which an island is not a solid: rounding a coordinate
+// moves a point by up to 2^-53 of it, and points of a cut by a few times as much. For example, a plate with a width and
+// coordinates of one metre is dropped below a thickness of 2e-15 m.
 constexpr double flat_island = 1e-15;
+// The same for negative volumes. Crumbs of degenerate cuts have them down to this bound.
+constexpr double inverted_by_rounding = 0x40.0p-53;
 
 // The sine of the angle within which a point is on a triangle. From a point on it, a triangle covers half of the
 // sphere; within this angle of its plane the sign of that half is noise.
@@ -126,16 +127,11 @@ bool encloses(std::span<const glm::dvec3> positions, std::span<const Triangle> t
     return sum > 0.5 * static_cast<double>(shell.size()); // every triangle of the shell touches the mesh
 }
 
-bool is_flat(const MassProperties& mass, std::span<const glm::dvec3> positions, double extent) {
-    glm::dvec3 low = positions.front();
-    glm::dvec3 high = low;
-    for (const glm::dvec3& p : positions) {
-        low = glm::min(low, p);
-        high = glm::max(high, p);
-        extent = std::max({extent, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
-    }
-    const double length = glm::distance(low, high);
-    return std::abs(mass.volume) <= flat_island * (mass.area * extent + length * length * length);
+bool is_flat(const MassProperties& mass, std::span<const glm::dvec3> positions, std::span<const Triangle> triangles,
+             double extent) {
+    for (const glm::dvec3& p : positions) extent = std::max({extent, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+    const double share = mass.volume < 0.0 ? inverted_by_rounding : flat_island;
+    return std::abs(mass.volume) <= share * mass.area * extent + volume_error_bound(positions, triangles);
 }
 
 std::vector<Island> split_islands(std::span<const glm::dvec3> positions, std::span<const Triangle> triangles,
@@ -152,7 +148,8 @@ std::vector<Island> split_islands(std::span<const glm::dvec3> positions, std::sp
     std::vector<uint32_t> local(positions.size(), no_index);
     for (const std::vector<uint32_t>& shell : members) {
         Island island = gather(positions, triangles, sources, shell, local);
-        if (is_flat(island.mass, island.positions, extent)) continue;
+        const bool is_cut = island.exterior_triangles < island.triangles.size();
+        if (is_flat(island.mass, island.positions, island.triangles, is_cut ? extent : 0.0)) continue;
         (island.mass.volume < 0.0 ? cavities : islands).push_back(std::move(island));
     }
     // Find all owners before moving any cavity, so that the tested islands are solid.

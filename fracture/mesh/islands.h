@@ -30,9 +30,11 @@ struct Island {
                                                 std::span<const Triangle> triangles,
                                                 std::span<const FaceSource> sources, double extent = 0.0);
 
-// Returns whether the volume of a closed mesh is zero up to rounding (flat_island in islands.cpp). `extent` is the
-// largest coordinate of the solid from which the mesh was cut: positions carry rounding errors of that magnitude.
-[[nodiscard]] bool is_flat(const MassProperties& mass, std::span<const glm::dvec3> positions, double extent);
+// Returns whether the volume of a closed mesh is zero up to rounding of its own positions and integral (flat_island in
+// islands.cpp). `extent` is the largest coordinate of the solid from which the mesh was cut, because the positions of
+// cut points carry rounding errors of that magnitude; 0 for a mesh that no plane has cut.
+[[nodiscard]] bool is_flat(const MassProperties& mass, std::span<const glm::dvec3> positions,
+                           std::span<const Triangle> triangles, double extent);
 
 // Returns the winding number of a closed mesh around a point: 1 inside, 0 outside, an intermediate value on the
 // surface. Evaluated in double, as the sum of the signed solid angles of the triangles (van Oosterom and Strackee

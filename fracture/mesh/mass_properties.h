@@ -36,4 +36,7 @@ struct MassProperties {
 // Returns the volume alone (eq. 5), bit for bit equal to mass_properties().volume, at about half the cost.
 [[nodiscard]] double signed_volume(std::span<const glm::dvec3> positions, std::span<const Triangle> triangles);
 
+// Returns a bound on the rounding error of signed_volume(), for exact positions.
+[[nodiscard]] double volume_error_bound(std::span<const glm::dvec3> positions, std::span<const Triangle> triangles);
+
 } // namespace brittle::fracture

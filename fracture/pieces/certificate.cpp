@@ -108,6 +108,7 @@ Certificate certify(const TriangleMesh& input, const Fragments& fragments, uint3
         if (!facts[p].well_formed) continue;
         certificate.cap_triangles += piece.triangles.size() - piece.exterior_triangles;
         certificate.volume_sum += facts[p].volume;
+        certificate.negative_pieces += facts[p].volume > 0.0 ? 0 : 1;
         smallest = std::min(smallest, facts[p].volume);
     }
     certificate.cells = count_distinct(std::move(sites));

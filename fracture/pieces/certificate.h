@@ -11,13 +11,16 @@
 
 namespace brittle::fracture {
 
+// The largest Certificate::volume_error of a sound result. Rounding of coordinates stays far below it, except for
+// meshes that are about as thin as the last digits of their coordinates; fracture() refuses these.
+inline constexpr double max_volume_error = 1e-6;
+
 // Checks the topology of every piece (topology.h) and computes all volumes anew, without trust in Piece::mass or in the
 // indices. A piece with a range or an index outside its array counts as open, as does a piece without triangles; a
 // result without pieces counts as closed. volume_error is absolute if the input has no volume. Linear time. The result
 // is equal for any number of threads (0 means one per core).
 //
-// `closed` does not imply that pieces are disjoint. They overlap where the input does, and have negative volume where
-// the input is inside out (smallest_piece < 0); see fracture().
+// `closed` does not imply that pieces are disjoint. They overlap where the input does; see fracture().
 [[nodiscard]] Certificate certify(const TriangleMesh& input, const Fragments& fragments, uint32_t threads = 0);
 
 // Returns a hash of positions (as IEEE doubles, -0 as +0), triangles and pieces (site, ranges, exterior count), in

@@ -67,14 +67,15 @@ struct Milliseconds {
 // The verified properties of a result. certify() (certificate.h) computes them from the pieces alone and does not trust
 // the algorithm that made them.
 struct Certificate {
-    uint32_t pieces = 0;         // pieces in the result
-    uint32_t cells = 0;          // count of sites with at least one piece
-    bool closed = false;         // every piece is closed, manifold and consistently oriented
-    uint32_t open_pieces = 0;    // count of pieces that are not closed
-    double volume_input = 0.0;   // m^3
-    double volume_sum = 0.0;     // sum over all pieces, m^3
-    double volume_error = 0.0;   // |volume_sum - volume_input| / |volume_input|
-    double smallest_piece = 0.0; // the smallest volume of a piece, m^3
+    uint32_t pieces = 0;          // pieces in the result
+    uint32_t cells = 0;           // count of sites with at least one piece
+    bool closed = false;          // every piece is closed, manifold and consistently oriented
+    uint32_t open_pieces = 0;     // count of pieces that are not closed
+    uint32_t negative_pieces = 0; // count of pieces whose volume is not positive
+    double volume_input = 0.0;    // m^3
+    double volume_sum = 0.0;      // sum over all pieces, m^3
+    double volume_error = 0.0;    // |volume_sum - volume_input| / |volume_input|
+    double smallest_piece = 0.0;  // the smallest volume of a piece, m^3
     uint64_t triangles_in = 0;
     uint64_t triangles_out = 0;
     uint64_t cap_triangles = 0; // count of interior triangles; both sides of a cap count

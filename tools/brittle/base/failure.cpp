@@ -18,6 +18,8 @@ ExitCode exit_code(fracture::Status status) {
     case Status::not_oriented:
     case Status::inside_out:
     case Status::no_volume:
+    case Status::inverted_part:
+    case Status::lost_volume:
     case Status::invalid_sites:
         return exit_mesh;
     case Status::invalid_setting:

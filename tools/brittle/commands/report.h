@@ -11,8 +11,8 @@ namespace brittle::tools {
 [[nodiscard]] std::string report_text(const Input& input, const Broken& broken);
 
 // Returns an object with the keys mesh, cells, pieces, islands (pieces beyond the first of their cell), closed,
-// open_pieces, volume_input, volume_sum, volume_error, smallest_piece, triangles_in, triangles_out, cap_triangles,
-// milliseconds {phase: number, ..., total}, hash (16 hexadecimal digits), recipe.
+// open_pieces, negative_pieces, volume_input, volume_sum, volume_error, smallest_piece, triangles_in, triangles_out,
+// cap_triangles, milliseconds {phase: number, ..., total}, hash (16 hexadecimal digits), recipe.
 [[nodiscard]] std::string report_json(const Input& input, const Broken& broken, const std::string& recipe);
 
 } // namespace brittle::tools

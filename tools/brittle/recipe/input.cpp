@@ -268,6 +268,12 @@ Broken break_input(const Input& input, const FractureOptions& options, const std
                                                         : fracture::fracture(input.model.mesh, input.sites, settings));
     broken.milliseconds = stopwatch.milliseconds();
     broken.certificate = fracture::certify(input.model.mesh, broken.fragments);
+    const fracture::Certificate& c = broken.certificate;
+    if (c.pieces == 0 || c.negative_pieces > 0 || c.volume_error > fracture::max_volume_error)
+        throw Failure(exit_mesh, input.name + ": the pieces do not make up the mesh: " + std::to_string(c.pieces)
+                                     + " pieces, " + std::to_string(c.negative_pieces)
+                                     + " of them without positive volume, relative volume error "
+                                     + std::to_string(c.volume_error) + "; please report this mesh with these options");
     return broken;
 }
 
