@@ -60,7 +60,8 @@ Result<Model> import_and_weld(const std::filesystem::path& file, bool with_attri
         return Error{finite.error().status, file.string() + ": " + finite.error().message};
     }
     std::vector<uint32_t> kept;
-    TriangleMesh welded = weld(model->mesh, &kept);
+    TriangleMesh welded = weld_surface(model->mesh, model->points, kept);
+    model->points.clear();
     if (welded.triangles.empty()) {
         const std::string what = model->mesh.triangles.empty()
                                      ? "no triangles in the file; export the mesh with its faces"

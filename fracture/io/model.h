@@ -74,6 +74,9 @@ constexpr uint32_t no_material = ~0u;
 
 struct Model {
     TriangleMesh mesh;
+    // From the readers to import only: a number per vertex, or empty. Vertices of equal position and different numbers
+    // are different points, of parts that touch there (weld.h).
+    std::vector<uint32_t> points;
     // Texture coordinates: (0, 0) is the upper left corner of the image, v points down. Set 0 is used before set 1.
     std::array<std::vector<glm::vec2>, 2> uv;
     std::vector<glm::vec3> normals;    // unit; zero where a corner has none, for flat shading

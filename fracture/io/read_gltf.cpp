@@ -37,6 +37,7 @@ class GltfReader {
         if (wants_attributes_) read_materials(document_, model_);
         if (Result<void> done = read_nodes(*roots); !done) return done.error();
         complete_corners(model_);
+        if (!model_.points.empty()) model_.points.resize(model_.mesh.positions.size(), 0);
         return std::move(model_);
     }
 
@@ -199,6 +200,7 @@ class GltfReader {
                              + " vertices or triangles, the limit for a file of its size; simplify the mesh");
         }
         Vertices vertices{static_cast<uint32_t>(model_.mesh.positions.size()), world, *positions};
+        read_points(*attributes, vertices);
         uint32_t material = no_material;
         if (wants_attributes_) {
             read_vertex_attributes(*attributes, vertices);
@@ -206,6 +208,20 @@ class GltfReader {
             if (named && *named < model_.materials.size()) material = static_cast<uint32_t>(*named);
         }
         return append(vertices, corners, *mode, material);
+    }
+
+    // The numbers that write_glb gives the vertices of parts that touch. Vertices without a number have 0.
+    void read_points(const Json& attributes, const Vertices& vertices) {
+        if (member(attributes, "_POINT") == nullptr) return;
+        const Result<Accessor> points = document_.accessor(unsigned_member(attributes, "_POINT", std::nullopt), "VEC2");
+        constexpr uint32_t unsigned_short = 5123;
+        if (!points || points->count != vertices.positions.count || points->component_type != unsigned_short
+            || points->normalized)
+            return;
+        model_.points.resize(vertices.base, 0);
+        for (uint64_t v = 0; v < points->count; ++v)
+            model_.points.push_back(1 + static_cast<uint32_t>(points->component(v, 0))
+                                    + (static_cast<uint32_t>(points->component(v, 1)) << 16));
     }
 
     // Faulty attributes are omitted, with a note.

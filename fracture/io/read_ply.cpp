@@ -171,6 +171,7 @@ class PlyReader {
             if (Result<void> done = read_element(element, numbers); !done) return done.error();
         }
         complete_corners(model_);
+        if (model_.points.size() != model_.mesh.positions.size()) model_.points.clear();
         return std::move(model_);
     }
 
@@ -268,6 +269,8 @@ class PlyReader {
                     if (property.name == "x") position.x = value;
                     if (property.name == "y") position.y = value;
                     if (property.name == "z") position.z = value;
+                    if (is_vertex && property.name == "point" && property.type == Type::uint32)
+                        model_.points.push_back(static_cast<uint32_t>(value));
                     if (is_vertex && companions_.wants_attributes()) attributes.set(property, value);
                     if (property.name == "texnumber" && value >= 0.0 && value < 1e6)
                         texture_ = static_cast<uint32_t>(value);
@@ -299,10 +302,9 @@ class PlyReader {
         // A face may have several lists.
         const bool is_too_long = count + static_cast<double>(corners_.size()) > max_polygon_corners;
         if (!(count >= 0.0) || (is_face && (count < 3.0 || is_too_long)))
-            return numbers.ended
-                       ? cut_short(place())
-                       : malformed(place(), "a list of " + std::to_string(count) + " numbers; a face has 3 to "
-                                                + std::to_string(max_polygon_corners));
+            return numbers.ended ? cut_short(place())
+                                 : malformed(place(), "a list of " + std::to_string(count) + " numbers; a face has 3 to "
+                                                          + std::to_string(max_polygon_corners));
         const auto known = static_cast<double>(model_.mesh.positions.size());
         for (double m = 0.0; m < count && !numbers.ended; m += 1.0) {
             const double value = numbers.next(property.type);

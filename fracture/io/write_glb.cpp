@@ -4,7 +4,9 @@
 #include <cstdio>
 #include <map>
 #include <set>
+#include <tuple>
 
+#include <glm/ext/vector_uint2_sized.hpp>
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 
@@ -142,9 +144,10 @@ class GlbWriter {
         const glm::dvec3 origin = origin_of(mass);
         const std::string name = piece_name(options_, p);
         Json primitives = Json::array();
+        const bool touches = has_touching_points(piece, origin);
         for (const DrawnPart& part :
              drawn_parts(job_.fragments, piece, source_, options_.sites, options_.uv_by_plane)) {
-            Result<Json> primitive = add_part(part, piece, origin, name);
+            Result<Json> primitive = add_part(part, piece, origin, name, touches);
             if (!primitive) return primitive.error();
             primitives.push_back(std::move(*primitive));
         }
@@ -255,8 +258,20 @@ class GlbWriter {
         return Json{{"POSITION", accessor}};
     }
 
-    Result<Json> add_part(const DrawnPart& part, const Piece& piece, const glm::dvec3& origin,
-                          const std::string& name) {
+    // Returns whether several vertices of the piece have one position in single precision.
+    [[nodiscard]] bool has_touching_points(const Piece& piece, const glm::dvec3& origin) const {
+        std::vector<glm::vec3> positions;
+        for (const glm::dvec3& p : job_.fragments.positions_of(piece)) positions.emplace_back(p - origin);
+        const auto before = [](const glm::vec3& a, const glm::vec3& b) {
+            return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
+        };
+        std::sort(positions.begin(), positions.end(), before);
+        return std::adjacent_find(positions.begin(), positions.end()) != positions.end();
+    }
+
+    // `touches`: with _POINT, so that a reader does not weld vertices of parts that touch.
+    Result<Json> add_part(const DrawnPart& part, const Piece& piece, const glm::dvec3& origin, const std::string& name,
+                          bool touches) {
         const auto of_piece = job_.fragments.positions_of(piece);
         std::vector<glm::vec3> positions;
         positions.reserve(part.vertices.size());
@@ -271,6 +286,7 @@ class GlbWriter {
         }
         if (!part.colours.empty())
             (*attributes)["COLOR_0"] = add_accessor("colours", std::span<const glm::vec4>(part.colours), "VEC4");
+        if (touches) (*attributes)["_POINT"] = add_points(part, piece);
         return Json{{"attributes", std::move(*attributes)},
                     {"indices", add_indices(part.indices, positions.size())},
                     {"material", materials_.material_of(part)}};
@@ -288,6 +304,18 @@ class GlbWriter {
         const auto raw = std::as_bytes(values);
         bytes.insert(bytes.end(), raw.begin(), raw.end());
         return accessors_.size() - 1;
+    }
+
+    // Attributes may not have 32-bit integers, so the number of a vertex is two halves, the low one first.
+    size_t add_points(const DrawnPart& part, const Piece& piece) {
+        std::vector<glm::u16vec2> halves;
+        for (const uint32_t v : part.vertices) {
+            const uint32_t number = piece.vertices.begin + v;
+            halves.emplace_back(number & 0xffffu, number >> 16);
+        }
+        const size_t accessor = add_accessor("points", std::span<const glm::u16vec2>(halves), "VEC2");
+        accessors_[accessor]["componentType"] = unsigned_short;
+        return accessor;
     }
 
     size_t add_indices(std::span<const uint32_t> indices, size_t vertices) {

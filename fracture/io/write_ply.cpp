@@ -22,19 +22,25 @@ uint32_t bytes_of(const glm::vec4& colour) {
     return result;
 }
 
+struct ColouredPoint {
+    uint32_t colour; // as bytes_of() gives it
+    uint32_t number; // equal for all colours of a vertex
+};
+
 } // namespace
 
-// Vertices with 64-bit coordinates, one for each vertex of a piece, or one for each of its colours. Faces have the
-// properties `piece` and `interior`.
+// Vertices with 64-bit coordinates, one for each vertex of a piece, or one for each of its colours, with the number of
+// the vertex as `point`. Faces have the properties `piece` and `interior`.
 Result<std::vector<OutputFile>> write_ply(const ExportJob& job) {
     const Model* const source = job.options.source;
     const bool has_colours = source && !source->colours.empty();
     const uint32_t of_cuts = bytes_of(glm::vec4(interior_material(job.options).base_colour));
     std::vector<std::byte> vertices, faces;
     uint64_t vertex_count = 0, face_count = 0;
-    const auto add_vertex = [&](const glm::dvec3& p, const std::optional<uint32_t>& colour) {
+    const auto add_vertex = [&](const glm::dvec3& p, const std::optional<ColouredPoint>& point) {
         for (int k = 0; k < 3; ++k) append(vertices, p[k]);
-        if (colour) append(vertices, *colour);
+        if (point) append(vertices, point->colour);
+        if (point) append(vertices, point->number);
         return static_cast<uint32_t>(vertex_count++);
     };
     const auto add_face = [&](const Triangle& t, uint32_t piece, bool interior) {
@@ -54,7 +60,8 @@ Result<std::vector<OutputFile>> write_ply(const ExportJob& job) {
                     const uint32_t corner = part.indices[k], v = part.vertices[corner];
                     const uint32_t colour = part.interior ? of_cuts : bytes_of(part.colours[corner]);
                     const auto [known, is_new] = written.emplace(uint64_t{v} << 32 | colour, 0);
-                    if (is_new) known->second = add_vertex(placed(job, p, positions[v]), colour);
+                    const ColouredPoint point{colour, piece.vertices.begin + v};
+                    if (is_new) known->second = add_vertex(placed(job, p, positions[v]), point);
                     return known->second;
                 };
                 for (size_t k = 0; k < part.indices.size(); k += 3)
@@ -72,7 +79,9 @@ Result<std::vector<OutputFile>> write_ply(const ExportJob& job) {
     }
     std::string header = "ply\nformat binary_little_endian 1.0\ncomment Brittle " BRITTLE_VERSION "\nelement vertex "
                          + std::to_string(vertex_count) + "\nproperty double x\nproperty double y\nproperty double z\n";
-    if (has_colours) header += "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\n";
+    if (has_colours)
+        header += "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\n"
+                  "property uint point\n";
     header += "element face " + std::to_string(face_count)
               + "\nproperty list uchar uint vertex_indices\nproperty uint piece\nproperty uchar interior\nend_header\n";
     std::vector<std::byte> bytes(header.size());
