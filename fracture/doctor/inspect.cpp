@@ -145,13 +145,27 @@ void measure_thickness(const TriangleMesh& mesh, const InspectSettings& settings
     const Thickness thickness(mesh);
     const double limit = Inspection::thin_limit * glm::length(out.box.size());
     const auto count = static_cast<uint64_t>(mesh.triangles.size());
-    const uint64_t measured = std::min<uint64_t>(count, settings.max_measured);
+    const auto middle = [&](uint32_t t) {
+        const Triangle& c = mesh.triangles[t];
+        return (mesh.positions[c.x] + mesh.positions[c.y] + mesh.positions[c.z]) / 3.0;
+    };
+    // The first thousand tell how much work a measurement is.
+    constexpr uint64_t probes = 1000;
+    uint64_t measured = std::min<uint64_t>(count, settings.max_measured);
+    if (measured > probes) {
+        uint64_t visits = 0;
+        for (uint64_t k = 0; k < probes; ++k) {
+            const auto t = static_cast<uint32_t>(k * count / probes);
+            static_cast<void>(thickness.at(t, middle(t), &visits));
+        }
+        measured = std::clamp(settings.max_visits * probes / std::max<uint64_t>(visits, 1), probes, measured);
+    }
     double area = 0.0, thin = 0.0;
     for (uint64_t k = 0; k < measured; ++k) {
         const auto t = static_cast<uint32_t>(k * count / measured);
         const Triangle& c = mesh.triangles[t];
         const glm::dvec3 &p = mesh.positions[c.x], &q = mesh.positions[c.y], &r = mesh.positions[c.z];
-        const std::optional<double> through = thickness.at(t, (p + q + r) / 3.0);
+        const std::optional<double> through = thickness.at(t, middle(t));
         if (!through) continue;
         const double own = glm::length(glm::cross(q - p, r - p));
         area += own;
@@ -188,6 +202,12 @@ std::string guess_units(double longest) {
     if (longest > 1000.0) return "; if these are millimetres, scale by 0.001";
     if (longest > 50.0) return "; if these are centimetres, scale by 0.01";
     return "";
+}
+
+// Each property for itself, however many faults there are.
+std::string properties(const TopologyReport& t) {
+    return std::string(t.open_edges == 0 ? "closed" : "open") + (t.misoriented_edges == 0 ? ", " : ", not ")
+           + "oriented" + (t.non_manifold_edges == 0 && t.non_manifold_vertices == 0 ? ", " : ", not ") + "manifold";
 }
 
 std::string verdict(const Inspection& i) {
@@ -284,7 +304,8 @@ std::string describe(const Inspection& i) {
     const auto line = [&text](const char* name, const std::string& what) {
         text += "  " + std::string(name) + std::string(11 - std::string(name).size(), ' ') + what + "\n";
     };
-    line("surface", i.topology.manifold() ? "closed, oriented, manifold" : describe(i.topology));
+    line("surface", properties(i.topology));
+    if (!i.topology.manifold()) line("faults", describe(i.topology));
     if (!i.rims.empty())
         line("holes", count(i.rims.size(), "rim", "rims") + ", the longest of "
                           + count(i.rims[0].edges, "edge", "edges")

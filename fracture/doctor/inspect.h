@@ -23,12 +23,15 @@ namespace brittle::fracture {
 
 struct InspectSettings {
     // The maximum number of pairs of triangles with overlapping boxes that are tested for intersection. Bounds the time
-    // to about a second for meshes where everything overlaps.
-    uint64_t max_pairs = 10'000'000;
+    // to a third of a second for meshes where everything overlaps.
+    uint64_t max_pairs = 4'000'000;
     // The maximum number of places listed per kind. The counts include all places.
     size_t max_places = 1000;
     // The maximum number of triangles whose thickness is measured, spread evenly over the list of triangles.
     uint32_t max_measured = 20'000;
+    // The maximum number of nodes of the tree of triangles that the rays of these measurements enter, a tenth of a
+    // second. Where boxes overlap so much that a ray enters many, fewer triangles are measured, but at least a thousand.
+    uint64_t max_visits = 1'000'000;
 };
 
 // The places of the flaws: edges as (lower, higher) vertex, triangles, pairs of triangles, vertices. In ascending

@@ -79,18 +79,49 @@ bool meets_in_plane(const glm::dvec3& p, const glm::dvec3& q, const Corners& t, 
     return sides == 3 || sides == -3; // wholly inside
 }
 
-bool meets(const glm::dvec3& p, const glm::dvec3& q, const Corners& t, int axis) {
-    const int sp = orientation(t[0], t[1], t[2], p), sq = orientation(t[0], t[1], t[2], q);
+// Returns whether the segment pq meets the triangle; sp and sq are the sides of its plane on which p and q lie.
+bool meets(const glm::dvec3& p, const glm::dvec3& q, int sp, int sq, const Corners& t, int axis) {
     if (sp * sq > 0) return false;
     if (sp == 0 && sq == 0) return meets_in_plane(p, q, t, axis);
-    const int a = orientation(p, q, t[0], t[1]), b = orientation(p, q, t[1], t[2]), c = orientation(p, q, t[2], t[0]);
+    const int a = orientation(p, q, t[0], t[1]), b = orientation(p, q, t[1], t[2]);
+    if (a * b < 0) return false;
+    const int c = orientation(p, q, t[2], t[0]);
     return (a >= 0 && b >= 0 && c >= 0) || (a <= 0 && b <= 0 && c <= 0);
+}
+
+// A triangle, prepared for many tests against others.
+struct Prepared {
+    Corners corners{};
+    glm::dvec3 low{0.0}, high{0.0}; // its box
+    glm::dvec3 normal{0.0};
+    double error = 0.0; // a bound on the error of side(), for each unit of distance
+    int axis = -1;      // see open_axis()
+
+    // The sign of orientation(corners, p); almost always the normal decides. With u = 2^-53 and L the product of the
+    // largest components of two edges, a component of the normal is at most 2L and carries 8u L; the dot product with
+    // the difference carries 4u of its terms. Together 16u L for each unit of the difference; 64u leaves room.
+    [[nodiscard]] int side(const glm::dvec3& p) const {
+        const glm::dvec3 d = p - corners[0];
+        const double value = -(normal.x * d.x + normal.y * d.y + normal.z * d.z);
+        if (std::abs(value) > error * (std::abs(d.x) + std::abs(d.y) + std::abs(d.z))) return sign(value);
+        return orientation(corners[0], corners[1], corners[2], p);
+    }
+};
+
+Prepared prepared(const Corners& c) {
+    Prepared result{c, glm::min(c[0], glm::min(c[1], c[2])), glm::max(c[0], glm::max(c[1], c[2]))};
+    const glm::dvec3 u = c[1] - c[0], v = c[2] - c[0];
+    const auto largest = [](const glm::dvec3& e) { return std::max({std::abs(e.x), std::abs(e.y), std::abs(e.z)}); };
+    result.normal = glm::cross(u, v);
+    result.error = 0x40.0p-53 * largest(u) * largest(v);
+    result.axis = open_axis(c);
+    return result;
 }
 
 class Finder {
   public:
     Finder(const TriangleMesh& mesh, uint64_t max_pairs, size_t max_listed)
-        : mesh_(mesh), max_pairs_(max_pairs), max_listed_(max_listed), tree_(mesh, find_axes()) {}
+        : mesh_(mesh), max_pairs_(max_pairs), max_listed_(max_listed), tree_(mesh, prepare()) {}
 
     Intersections run() {
         if (tree_.root() != no_index) join(tree_.root(), tree_.root());
@@ -103,19 +134,16 @@ class Finder {
   private:
     static bool before(const glm::uvec2& a, const glm::uvec2& b) { return a.x != b.x ? a.x < b.x : a.y < b.y; }
 
-    // Fills axis_. Returns the triangles with area.
-    std::vector<uint32_t> find_axes() {
+    // Fills prepared_. Returns the triangles with area.
+    std::vector<uint32_t> prepare() {
         std::vector<uint32_t> triangles;
+        prepared_.reserve(mesh_.triangles.size());
         for (uint32_t t = 0; t < mesh_.triangles.size(); ++t) {
-            axis_.push_back(open_axis(corners(t)));
-            if (axis_.back() >= 0) triangles.push_back(t);
+            const Triangle& c = mesh_.triangles[t];
+            prepared_.push_back(prepared({mesh_.positions[c.x], mesh_.positions[c.y], mesh_.positions[c.z]}));
+            if (prepared_.back().axis >= 0) triangles.push_back(t);
         }
         return triangles;
-    }
-
-    [[nodiscard]] Corners corners(uint32_t t) const {
-        const Triangle& c = mesh_.triangles[t];
-        return {mesh_.positions[c.x], mesh_.positions[c.y], mesh_.positions[c.z]};
     }
 
     void join(uint32_t x, uint32_t y) {
@@ -141,11 +169,9 @@ class Finder {
 
     void look_at(uint32_t s, uint32_t t) {
         if (!result_.complete) return;
-        const Corners a = corners(s), b = corners(t);
+        const Prepared &a = prepared_[s], &b = prepared_[t];
         for (int k = 0; k < 3; ++k)
-            if (std::max({a[0][k], a[1][k], a[2][k]}) < std::min({b[0][k], b[1][k], b[2][k]})
-                || std::max({b[0][k], b[1][k], b[2][k]}) < std::min({a[0][k], a[1][k], a[2][k]}))
-                return;
+            if (a.high[k] < b.low[k] || b.high[k] < a.low[k]) return;
         if (seen_++ == max_pairs_) {
             result_.complete = false;
             return;
@@ -167,7 +193,8 @@ class Finder {
 
     [[nodiscard]] bool intersect(uint32_t s, uint32_t t) const {
         const Triangle &u = mesh_.triangles[s], &v = mesh_.triangles[t];
-        const Corners a = corners(s), b = corners(t);
+        const Prepared &a = prepared_[s], &b = prepared_[t];
+        const Corners &p = a.corners, &q = b.corners;
         std::array<size_t, 3> own{}, other{}; // corners of s and t at shared vertices
         size_t shared = 0;
         for (int i = 0; i < 3; ++i)
@@ -179,27 +206,38 @@ class Finder {
         if (shared == 3) return false;
         if (shared == 2) { // two shared vertices: the triangles intersect if they fold onto each other
             const size_t i = 3 - own[0] - own[1], j = 3 - other[0] - other[1];
-            if (orientation(a[0], a[1], a[2], b[j]) != 0) return false;
-            const int axis = axis_[s];
-            const auto side = [&](const glm::dvec3& p) {
-                return sign(orientation(without(a[own[0]], axis), without(a[own[1]], axis), without(p, axis)));
+            if (a.side(q[j]) != 0) return false;
+            const auto side = [&](const glm::dvec3& at) {
+                return sign(orientation(without(p[own[0]], a.axis), without(p[own[1]], a.axis), without(at, a.axis)));
             };
-            return side(a[i]) == side(b[j]);
+            return side(p[i]) == side(q[j]);
         }
-        if (shared == 1) {
-            const size_t i = own[0], j = other[0];
-            return meets(a[(i + 1) % 3], a[(i + 2) % 3], b, axis_[t])
-                   || meets(b[(j + 1) % 3], b[(j + 2) % 3], a, axis_[s]);
-        }
+        // The sides of the planes decide most pairs: all corners of one triangle on one side, apart from a shared one.
+        std::array<int, 3> sp{}, sq{}; // of the corners of each triangle against the plane of the other
+        const auto is_apart = [&](const Prepared& of, const Corners& corners, size_t common,
+                                  std::array<int, 3>& sides) {
+            int sum = 0;
+            for (size_t k = 0; k < 3; ++k) {
+                sides[k] = shared == 1 && k == common ? 0 : of.side(corners[k]);
+                sum += sides[k];
+            }
+            return std::abs(sum) == static_cast<int>(3 - shared);
+        };
+        if (is_apart(a, q, other[0], sq) || is_apart(b, p, own[0], sp)) return false;
+        const auto crosses = [](const Corners& ends, const std::array<int, 3>& sides, size_t k, const Prepared& of) {
+            const size_t m = k == 2 ? 0 : k + 1;
+            return meets(ends[k], ends[m], sides[k], sides[m], of.corners, of.axis);
+        };
+        if (shared == 1) return crosses(p, sp, (own[0] + 1) % 3, b) || crosses(q, sq, (other[0] + 1) % 3, a);
         for (size_t k = 0; k < 3; ++k)
-            if (meets(a[k], a[(k + 1) % 3], b, axis_[t]) || meets(b[k], b[(k + 1) % 3], a, axis_[s])) return true;
+            if (crosses(p, sp, k, b) || crosses(q, sq, k, a)) return true;
         return false;
     }
 
     const TriangleMesh& mesh_;
     uint64_t max_pairs_, seen_ = 0;
     size_t max_listed_;
-    std::vector<int> axis_; // per triangle, see open_axis()
+    std::vector<Prepared> prepared_; // per triangle
     TriangleTree tree_;
     Intersections result_;
 };

@@ -26,10 +26,10 @@ glm::dvec3 Thickness::inward(uint32_t triangle) const {
     return length > 0.0 ? normal / length : glm::dvec3(0.0);
 }
 
-std::optional<double> Thickness::at(uint32_t triangle, const glm::dvec3& point) const {
+std::optional<double> Thickness::at(uint32_t triangle, const glm::dvec3& point, uint64_t* visits) const {
     const glm::dvec3 direction = inward(triangle);
     if (direction == glm::dvec3(0.0)) return std::nullopt;
-    return tree_.first_hit(point, direction, triangle);
+    return tree_.first_hit(point, direction, triangle, visits);
 }
 
 } // namespace brittle::fracture

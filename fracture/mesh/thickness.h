@@ -19,7 +19,9 @@ class Thickness {
 
     // Returns the distance, in metres, from a point of a triangle along the inward normal to the next triangle. Empty
     // if the triangle has no area, or if the ray hits nothing, as in an open mesh. Expected time O(log n).
-    [[nodiscard]] std::optional<double> at(uint32_t triangle, const glm::dvec3& point) const;
+    // `visits` is as in TriangleTree::first_hit().
+    [[nodiscard]] std::optional<double> at(uint32_t triangle, const glm::dvec3& point,
+                                           uint64_t* visits = nullptr) const;
     [[nodiscard]] glm::dvec3 inward(uint32_t triangle) const; // unit inward normal; zero for a triangle without area
 
   private:

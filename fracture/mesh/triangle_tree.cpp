@@ -63,12 +63,13 @@ uint32_t TriangleTree::build(uint32_t begin, uint32_t end) {
     return static_cast<uint32_t>(nodes_.size() - 1);
 }
 
-std::optional<double> TriangleTree::first_hit(const glm::dvec3& origin, const glm::dvec3& direction,
-                                              uint32_t excluded) const {
+std::optional<double> TriangleTree::first_hit(const glm::dvec3& origin, const glm::dvec3& direction, uint32_t excluded,
+                                              uint64_t* visits) const {
     if (root_ == no_index) return std::nullopt;
     const glm::dvec3 inverse = 1.0 / direction; // infinite along an axis with a zero component
     double nearest = infinity;
-    const auto reaches = [&](const Node& node) {
+    // The ray parameter at which the ray enters the box; infinity where it misses it or enters behind the nearest hit.
+    const auto entry = [&](const Node& node) {
         double from = 0.0, to = nearest;
         for (int k = 0; k < 3; ++k) {
             double near = (node.min[k] - origin[k]) * inverse[k], far = (node.max[k] - origin[k]) * inverse[k];
@@ -76,17 +77,25 @@ std::optional<double> TriangleTree::first_hit(const glm::dvec3& origin, const gl
             if (near > from) from = near; // a NaN from 0 x infinity is ignored
             if (far < to) to = far;
         }
-        return from <= to * (1.0 + 1e-12);
+        return from <= to * (1.0 + 1e-12) ? from : infinity;
     };
-    std::array<uint32_t, 128> stack; // at most depth + 1 nodes wait here, 33 for 2^32 triangles
+    struct Visit {
+        uint32_t node;
+        double entry;
+    };
+    std::array<Visit, 128> stack; // at most depth + 1 nodes wait here, 33 for 2^32 triangles
     size_t size = 0;
-    stack[size++] = root_;
+    stack[size++] = {root_, entry(nodes_[root_])};
     while (size > 0) {
-        const Node& node = nodes_[stack[--size]];
-        if (!reaches(node)) continue;
-        if (node.low != no_index) {
-            stack[size++] = node.low;
-            stack[size++] = node.high;
+        const Visit visit = stack[--size];
+        if (!(visit.entry <= nearest * (1.0 + 1e-12)) || visit.entry == infinity) continue;
+        const Node& node = nodes_[visit.node];
+        if (visits) ++*visits;
+        if (node.low != no_index) { // the nearer child comes first, so that its hits spare the other
+            Visit near{node.low, entry(nodes_[node.low])}, far{node.high, entry(nodes_[node.high])};
+            if (far.entry < near.entry) std::swap(near, far);
+            stack[size++] = far;
+            stack[size++] = near;
             continue;
         }
         for (uint32_t k = node.begin; k < node.end; ++k) {

@@ -35,9 +35,9 @@ class TriangleTree {
 
     // Returns the smallest positive ray parameter, in lengths of `direction`, at which the ray meets a triangle other
     // than `excluded`; empty if there is none. Evaluated in double, for measurements: a ray through an edge may miss by
-    // rounding.
+    // rounding. `visits`, where given, grows by the number of nodes that the ray enters, a measure of the work.
     [[nodiscard]] std::optional<double> first_hit(const glm::dvec3& origin, const glm::dvec3& direction,
-                                                  uint32_t excluded) const;
+                                                  uint32_t excluded, uint64_t* visits = nullptr) const;
 
   private:
     uint32_t build(uint32_t begin, uint32_t end);

@@ -725,6 +725,29 @@ TEST_CASE("inspect reports whether a mesh can be fractured, as text and as JSON"
     CHECK(open.exit_code == 4);
     const auto json = nlohmann::json::parse(open.output);
     CHECK(json["refusal"] == "not_closed");
+    CHECK(json["closed"] == false);
+    for (const char* property : {"manifold", "oriented"}) CHECK(json[property] == true);
+    CHECK(json["self_intersecting"] == false);
+    // Each property stands for itself.
+    const auto properties_of = [&](const std::string& text) {
+        write_text(folder / "mesh.obj", text);
+        const auto found = nlohmann::json::parse(run_brittle(folder, "inspect --json " + (folder / "mesh.obj")).output);
+        std::string all;
+        for (const char* property : {"closed", "manifold", "oriented", "self_intersecting"})
+            all += found[property] == true ? "+" : "-";
+        return all;
+    };
+    const std::string rest = tetrahedron.substr(tetrahedron.find("f 1 2 4"));
+    CHECK(properties_of(tetrahedron) == "+++-");
+    CHECK(properties_of(tetrahedron.substr(0, tetrahedron.find("f ")) + "f 1 2 3\n" + rest) == "++--"); // turned
+    CHECK(properties_of(shared_edge) == "+-+-");
+    CHECK(properties_of(tetrahedron
+                        + "v 0.1 0.1 -1\nv 0.2 0.1 -1\nv 0.1 0.2 -1\nv 0.1 0.1 0.3\n"
+                          "f 5 7 6\nf 5 6 8\nf 6 7 8\nf 5 8 7\n")
+          == "++++");
+    const Outcome text = run_brittle(folder, "inspect " + (folder / "open.obj"));
+    CHECK(text.has("open, oriented, manifold"));
+    CHECK(text.has("3 open edges"));
     CHECK(json["open_edges"] == 3);
     CHECK(json["rims"][0]["edges"] == 3);
     CHECK(run_brittle(folder, "inspect nowhere.obj").exit_code == 3);

@@ -9,6 +9,7 @@
 #include "tools/brittle/commands/commands.h"
 #include "tools/brittle/pictures/marks.h"
 #include "tools/brittle/pictures/view.h"
+#include "tools/brittle/recipe/json_reader.h"
 #include "tools/brittle/run/stage.h"
 
 namespace brittle::tools {
@@ -32,6 +33,12 @@ Union union_of(const fracture::TriangleMesh& mesh, const fracture::Inspection& i
     return fracture::unite(mesh).report;
 }
 
+// Null where the pairs of triangles that were tested do not tell.
+Json crosses_itself(const fracture::Inspection& i) {
+    return i.intersections > 0 ? Json(true) : (i.all_pairs_seen ? Json(false) : Json());
+}
+
+// Every property stands for itself: `closed` says nothing of orientation.
 Json to_json(const std::string& name, const fracture::Inspection& i, const Union& united) {
     const auto& t = i.topology;
     Json json{
@@ -44,8 +51,10 @@ Json to_json(const std::string& name, const fracture::Inspection& i, const Union
         {"box", {{"min", {i.box.min.x, i.box.min.y, i.box.min.z}}, {"max", {i.box.max.x, i.box.max.y, i.box.max.z}}}},
         {"area", i.area},
         {"volume", i.volume},
-        {"closed", t.closed()},
-        {"manifold", t.manifold()},
+        {"closed", t.open_edges == 0},
+        {"manifold", t.non_manifold_edges == 0 && t.non_manifold_vertices == 0},
+        {"oriented", t.misoriented_edges == 0},
+        {"self_intersecting", crosses_itself(i)},
         {"open_edges", t.open_edges},
         {"misoriented_edges", t.misoriented_edges},
         {"non_manifold_edges", t.non_manifold_edges},
@@ -136,7 +145,7 @@ int run_inspect(const InspectCommand& command) {
         if (const std::string overlap = overlap_text(*united); !overlap.empty())
             seen += "  union      " + overlap + "; --unite makes one solid of it\n";
     if (command.json)
-        std::printf("%s\n", to_json(input.name, inspection, united).dump(2).c_str());
+        std::printf("%s\n", text_of(to_json(input.name, inspection, united), 2).c_str());
     else
         std::printf("%s\n%s%s", input.name.c_str(), describe(inspection).c_str(), seen.c_str());
     return inspection.refusal ? exit_mesh : exit_success;

@@ -47,6 +47,14 @@ Json read_json_file(const std::filesystem::path& file, const std::string& what, 
     return parse_json(file, text, what);
 }
 
+std::string text_of(const Json& json, int indent) {
+    return json.dump(indent, ' ', false, Json::error_handler_t::replace);
+}
+
+bool is_utf8(const std::string& text) {
+    return text_of(text) == Json(text).dump(-1, ' ', false, Json::error_handler_t::ignore);
+}
+
 std::string shown(const Json& value) {
     constexpr size_t max_length = 60;
     const std::string text = value.dump();

@@ -23,6 +23,11 @@ namespace brittle::tools {
 [[nodiscard]] nlohmann::ordered_json read_json_file(const std::filesystem::path& file, const std::string& what,
                                                     size_t max_bytes);
 
+// Returns the text of the JSON. Bytes of names that are not UTF-8 become U+FFFD, because JSON cannot hold them.
+[[nodiscard]] std::string text_of(const nlohmann::ordered_json& json, int indent = -1);
+// Returns whether text_of() keeps every byte of the text.
+[[nodiscard]] bool is_utf8(const std::string& text);
+
 // Returns a value as text for a message: shortened, with control characters escaped.
 [[nodiscard]] std::string shown(const nlohmann::ordered_json& value);
 
