@@ -68,6 +68,12 @@ Result<void> check_coordinates(std::span<const glm::dvec3> points, Status status
     return {};
 }
 
+Error bad_min_volume(double value) {
+    char text[96];
+    std::snprintf(text, sizeof text, "the minimum volume is %g; it must be finite and not negative", value);
+    return {Status::invalid_setting, text};
+}
+
 // Checks the settings and the coordinates. The topology of the mesh is checked later.
 Result<void> check_values(const TriangleMesh& mesh, const Box& box, std::span<const glm::dvec3> sites,
                           const Settings& settings) {
@@ -87,8 +93,7 @@ Result<void> check_values(const TriangleMesh& mesh, const Box& box, std::span<co
             return Error{Status::invalid_setting,
                          "site " + std::to_string(i) + " has a weight that is not finite; give a finite one"};
     if (!(settings.min_volume >= 0.0) || !std::isfinite(settings.min_volume))
-        return Error{Status::invalid_setting, "the minimum volume is " + std::to_string(settings.min_volume)
-                                                  + "; it must be finite and not negative"};
+        return bad_min_volume(settings.min_volume);
     if (settings.algorithm != Algorithm::exact && (!settings.groups.empty() || settings.min_volume > 0.0))
         return Error{Status::invalid_setting, "groups and a minimum volume need the exact algorithm; choose it, or "
                                               "leave both out"};

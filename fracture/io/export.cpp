@@ -72,13 +72,17 @@ Result<void> check_volumes(const Fragments& fragments) {
     return {};
 }
 
-Result<void> write_job(const std::filesystem::path& file, Writer writer, const ExportJob& job, Files& written) {
+// Writes the files of a job under temporary names.
+Result<void> stage_job(const std::filesystem::path& file, Writer writer, const ExportJob& job,
+                       std::vector<StagedFile>& staged, Files& written) {
     Result<std::vector<OutputFile>> outputs = writer(job);
     if (!outputs) return Error{outputs.error().status, file.string() + ": " + outputs.error().message};
     for (const OutputFile& output : *outputs) {
         const std::filesystem::path path =
             output.suffix.empty() ? file : file.parent_path() / (file.stem().string() + output.suffix);
-        if (Result<void> done = write_file_atomically(path, output.bytes); !done) return done;
+        Result<StagedFile> one = StagedFile::write(path, output.bytes);
+        if (!one) return one.error();
+        staged.push_back(*std::move(one));
     }
     written.push_back(file);
     return {};
@@ -92,19 +96,21 @@ Result<Files> write_pieces(const std::filesystem::path& file, const Fragments& f
     std::vector<uint32_t> pieces(fragments.pieces.size());
     std::iota(pieces.begin(), pieces.end(), 0u);
     Files written;
+    std::vector<StagedFile> staged; // so that a full disk leaves none of several files behind
     if (!options.per_piece) {
         const ExportJob job{fragments, certificate, options, pieces, file.stem().string()};
-        if (Result<void> done = write_job(file, writer, job, written); !done) return done.error();
-        return written;
+        if (Result<void> done = stage_job(file, writer, job, staged, written); !done) return done.error();
     }
-    for (const uint32_t piece : pieces) {
+    for (size_t k = 0; options.per_piece && k < pieces.size(); ++k) {
         char number[16];
-        std::snprintf(number, sizeof number, "_%03u", piece);
+        std::snprintf(number, sizeof number, "_%03u", pieces[k]);
         const std::filesystem::path one =
             file.parent_path() / (file.stem().string() + number + file.extension().string());
-        const ExportJob job{fragments, certificate, options, std::span(pieces).subspan(piece, 1), one.stem().string()};
-        if (Result<void> done = write_job(one, writer, job, written); !done) return done.error();
+        const ExportJob job{fragments, certificate, options, std::span(pieces).subspan(k, 1), one.stem().string()};
+        if (Result<void> done = stage_job(one, writer, job, staged, written); !done) return done.error();
     }
+    for (StagedFile& one : staged)
+        if (Result<void> done = one.commit(); !done) return done.error();
     return written;
 }
 

@@ -1,4 +1,5 @@
 #include "fracture/io/gltf_document.h"
+#include "fracture/io/text_cursor.h"
 
 #include <cctype>
 #include <cstring>
@@ -138,6 +139,12 @@ Result<Document> Document::open(Bytes bytes, Companions& companions) {
     if (too_deep) return malformed("its JSON is nested over 64 levels deep");
     if (document.is_discarded() || !document.is_object()) {
         return malformed("neither a GLB file nor glTF: the JSON cannot be read; it was cut short or is damaged");
+    }
+    if (const Json* asset = member(document, "asset"); asset != nullptr) {
+        const Json* version = member(*asset, "version");
+        if (version != nullptr && version->is_string() && !version->get_ref<const std::string&>().starts_with("2"))
+            return malformed("glTF version " + printable(version->get_ref<const std::string&>())
+                             + "; only 2 is read, export it anew");
     }
     return Document(std::move(document), container.binary, companions, bytes.size());
 }

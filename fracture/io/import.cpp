@@ -27,6 +27,44 @@ Error unsupported(const std::filesystem::path& file, const std::string& extensio
     return {Status::unsupported_format, file.string() + ": " + what + "; convert the mesh to one of " + readable};
 }
 
+// Returns the text of a file in UTF-8: that of UTF-16 with a byte order mark is converted, `converted` holds it then.
+// Only names have characters beyond ASCII; halves of a pair without the other become '?'.
+std::string_view utf8_of(std::span<const std::byte> bytes, std::string& converted) {
+    const auto byte = [&](size_t k) { return std::to_integer<uint32_t>(bytes[k]); };
+    const bool little = bytes.size() >= 2 && byte(0) == 0xff && byte(1) == 0xfe;
+    const bool big = bytes.size() >= 2 && byte(0) == 0xfe && byte(1) == 0xff;
+    if (!little && !big) return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+    const auto unit = [&](size_t k) { return little ? byte(k) | byte(k + 1) << 8 : byte(k) << 8 | byte(k + 1); };
+    for (size_t k = 2; k + 1 < bytes.size(); k += 2) {
+        uint32_t c = unit(k);
+        const bool is_pair =
+            c >= 0xd800 && c < 0xdc00 && k + 3 < bytes.size() && unit(k + 2) >= 0xdc00 && unit(k + 2) < 0xe000;
+        if (is_pair) {
+            c = 0x10000 + ((c - 0xd800) << 10) + (unit(k + 2) - 0xdc00);
+            k += 2;
+        } else if (c >= 0xd800 && c < 0xe000) {
+            c = '?';
+        }
+        const auto put = [&](uint32_t value) { converted += static_cast<char>(value); };
+        if (c < 0x80) {
+            put(c);
+        } else if (c < 0x800) {
+            put(0xc0 | c >> 6);
+            put(0x80 | (c & 0x3f));
+        } else if (c < 0x10000) {
+            put(0xe0 | c >> 12);
+            put(0x80 | (c >> 6 & 0x3f));
+            put(0x80 | (c & 0x3f));
+        } else {
+            put(0xf0 | c >> 18);
+            put(0x80 | (c >> 12 & 0x3f));
+            put(0x80 | (c >> 6 & 0x3f));
+            put(0x80 | (c & 0x3f));
+        }
+    }
+    return converted;
+}
+
 Result<Model> model_of(Result<TriangleMesh> mesh) {
     if (!mesh) return mesh.error();
     Model model;
@@ -85,12 +123,12 @@ Result<Model> import(const std::filesystem::path& file, bool with_attributes) {
 } // namespace
 
 Result<Model> read_model(std::string_view extension, std::span<const std::byte> bytes, Companions& companions) {
-    const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-    if (extension == ".obj") return read_obj(text, companions);
+    std::string converted;
+    if (extension == ".obj") return read_obj(utf8_of(bytes, converted), companions);
+    if (extension == ".off") return read_off(utf8_of(bytes, converted));
     if (extension == ".stl") return model_of(read_stl(bytes));
     if (extension == ".3ds") return model_of(read_3ds(bytes));
     if (extension == ".ply") return read_ply(bytes, companions);
-    if (extension == ".off") return read_off(text);
     return read_gltf(bytes, companions);
 }
 

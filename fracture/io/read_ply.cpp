@@ -303,7 +303,7 @@ class PlyReader {
         const bool is_too_long = count + static_cast<double>(corners_.size()) > max_polygon_corners;
         if (!(count >= 0.0) || (is_face && (count < 3.0 || is_too_long)))
             return numbers.ended ? cut_short(place())
-                                 : malformed(place(), "a list of " + std::to_string(count) + " numbers; a face has 3 to "
+                                 : malformed(place(), "a list of " + written(count) + " numbers; a face has 3 to "
                                                           + std::to_string(max_polygon_corners));
         const auto known = static_cast<double>(model_.mesh.positions.size());
         for (double m = 0.0; m < count && !numbers.ended; m += 1.0) {
@@ -313,7 +313,7 @@ class PlyReader {
             if (!is_face) continue;
             if (!(value >= 0.0) || value != std::floor(value) || value >= known) {
                 if (numbers.ended) break;
-                return malformed(place(), "it names vertex " + std::to_string(value) + "; there are "
+                return malformed(place(), "it names vertex " + written(value) + "; there are "
                                               + std::to_string(model_.mesh.positions.size())
                                               + " before it, counted from 0");
             }

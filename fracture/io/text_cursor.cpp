@@ -77,6 +77,11 @@ std::optional<double> parse_number(std::string_view token) {
     return value;
 }
 
+std::string written(double number) {
+    char digits[32];
+    return {digits, std::to_chars(digits, digits + sizeof digits, number).ptr};
+}
+
 std::string printable(std::string_view token) {
     constexpr size_t longest = 40;
     std::string result;

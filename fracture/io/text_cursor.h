@@ -37,6 +37,9 @@ class TextCursor {
 // numbers; a number out of the range of double is infinite or zero.
 [[nodiscard]] std::optional<double> parse_number(std::string_view token);
 
+// The number as people write it, for a message: the shortest digits, without exponent where it is short.
+[[nodiscard]] std::string written(double number);
+
 // The token for a message: shortened, with bytes that could upset a terminal replaced.
 [[nodiscard]] std::string printable(std::string_view token);
 

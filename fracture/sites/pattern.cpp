@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <numbers>
 #include <string>
@@ -44,7 +45,10 @@ bool finite(const glm::dvec3& v) {
 }
 
 Result<void> check(const Pattern& p) {
-    const auto number = [](double value) { return std::to_string(value); };
+    const auto number = [](double value) {
+        char digits[32];
+        return std::string(digits, std::to_chars(digits, digits + sizeof digits, value).ptr);
+    };
     if (p.count == 0 || p.count > max_sites) return bad("count", std::to_string(p.count), "1 to 1,000,000");
     if (!std::isfinite(p.piece_size)) return bad("piece_size", number(p.piece_size), "a length in metres, or 0");
     if (!(p.jitter <= 1.0)) return bad("jitter", number(p.jitter), "0 to 1, or negative for the kind's own");

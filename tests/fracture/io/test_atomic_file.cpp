@@ -1,11 +1,15 @@
 #include "fracture/io/atomic_file.h"
 
 #include <csignal>
+#include <span>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <doctest/doctest.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include "tests/fracture/mesh_checks.h"
@@ -122,4 +126,57 @@ TEST_CASE("permissions survive, and a symbolic link stays one") {
     CHECK(fs::is_symlink(link));
     CHECK(test::read_text(file) == "new");
     CHECK(fs::status(file).permissions() == static_cast<fs::perms>(0640));
+}
+
+TEST_CASE("files that a killed process staged are deleted by the next one that writes to the folder") {
+    const test::Folder folder;
+    const auto staged_by_child = [&](bool dies) {
+        int ready[2], stop[2];
+        REQUIRE(::pipe(ready) == 0);
+        REQUIRE(::pipe(stop) == 0);
+        const pid_t child = ::fork();
+        if (child == 0) {
+            const std::string text(1000, 'x');
+            const auto staged = StagedFile::write(folder.path / "staged.glb", std::as_bytes(std::span(text)));
+            char c = staged ? 'y' : 'n';
+            if (::write(ready[1], &c, 1) != 1) ::_exit(1);
+            if (!dies && ::read(stop[0], &c, 1) < 0) ::_exit(1);
+            ::_exit(0); // without destructors
+        }
+        char c = 0;
+        REQUIRE(::read(ready[0], &c, 1) == 1);
+        CHECK(c == 'y');
+        return std::pair(child, stop[1]);
+    };
+    const auto wait_for = [](pid_t child) { REQUIRE(::waitpid(child, nullptr, 0) == child); };
+    const auto dead = staged_by_child(true);
+    wait_for(dead.first);
+    CHECK(folder.files() == 1);
+    const auto alive = staged_by_child(false); // it deletes those of the dead one
+    CHECK(folder.files() == 1);
+    REQUIRE(write_text(folder.path / "a.glb", "a"));
+    CHECK(folder.files() == 2);
+    const char go = 'g';
+    REQUIRE(::write(alive.second, &go, 1) == 1);
+    wait_for(alive.first);
+}
+
+TEST_CASE("staged files appear together, or not at all") {
+    const test::Folder folder;
+    const std::string text = "text";
+    {
+        std::vector<StagedFile> staged;
+        for (const char* name : {"a", "b"}) {
+            Result<StagedFile> one = StagedFile::write(folder.path / name, std::as_bytes(std::span(text)));
+            REQUIRE(one);
+            staged.push_back(*std::move(one));
+        }
+        CHECK_FALSE(fs::exists(folder.path / "a"));
+    }
+    CHECK(folder.files() == 0);
+    Result<StagedFile> one = StagedFile::write(folder.path / "a", std::as_bytes(std::span(text)));
+    REQUIRE(one);
+    REQUIRE(one->commit());
+    CHECK(test::read_text(folder.path / "a") == text);
+    CHECK(folder.files() == 1);
 }

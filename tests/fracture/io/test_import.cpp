@@ -151,6 +151,7 @@ TEST_CASE("import: damaged glTF files are refused with the element") {
     check_malformed("cut_short_head.glb", "9 bytes");
     check_malformed("cut_short_inside.glb", "longer than the file");
     check_malformed("version_1.glb", "version 1");
+    check_malformed("version_1.gltf", "glTF version 1.0; only 2 is read");
     check_malformed("garbage.gltf", "the JSON cannot be read");
     check_malformed("wrong_types.gltf", "scenes[0]");
     check_malformed("out_of_range.gltf", "meshes[0].primitives[0]: index 38 names vertex 8 of 8");
@@ -427,4 +428,47 @@ TEST_CASE("import: readers given files with random bytes changed, cut or repeate
             MESSAGE(name, ": ", rounds, " files, ", read_well, " read, slowest ", slowest * 1e3, " ms, memory grew by ",
                     growth / 1024, " KiB");
     }
+}
+
+TEST_CASE("import: OBJ and OFF in UTF-16 of both byte orders are read as in UTF-8") {
+    const test::Folder folder;
+    for (const char* name : {"cube.obj", "cube.off"}) {
+        const std::string text = "# \u00e9\u20ac\n" + test::read_text(meshes / name);
+        const Result<TriangleMesh> expected = import_mesh(meshes / name);
+        REQUIRE(expected);
+        for (const bool big : {false, true}) {
+            std::string wide = big ? "\xfe\xff" : "\xff\xfe";
+            for (const char c : name == std::string("cube.obj") ? text : test::read_text(meshes / name)) {
+                const char zero = '\0';
+                wide += big ? zero : c;
+                wide += big ? c : zero;
+            }
+            std::ofstream(folder.path / name, std::ios::binary) << wide;
+            const Result<TriangleMesh> read = import_mesh(folder.path / name);
+            REQUIRE_MESSAGE(read, read.error().message);
+            CHECK(read->positions == expected->positions);
+            CHECK(read->triangles == expected->triangles);
+        }
+    }
+    // An odd byte at the end, a half of a pair alone: no crash.
+    for (const std::string& end : {std::string("\x00\xd8", 2), std::string("\x00\xdc\x41", 3), std::string("v")}) {
+        std::ofstream(folder.path / "odd.obj", std::ios::binary) << "\xff\xfe" << end;
+        CHECK_FALSE(import_mesh(folder.path / "odd.obj"));
+    }
+}
+
+TEST_CASE("import: messages about PLY files write counts and indices as whole numbers") {
+    const test::Folder folder;
+    const std::string head = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty "
+                             "float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 "
+                             "0\n0 1 0\n";
+    const auto message = [&](const std::string& face) {
+        std::ofstream(folder.path / "a.ply") << head << face << "\n";
+        const Result<TriangleMesh> read = import_mesh(folder.path / "a.ply");
+        REQUIRE_FALSE(read);
+        return read.error().message;
+    };
+    CHECK(message("2 0 1").find("a list of 2 numbers;") != std::string::npos);
+    CHECK(message("3 0 1 7").find("it names vertex 7;") != std::string::npos);
+    CHECK(message("3 0 1 -1").find("it names vertex -1;") != std::string::npos);
 }

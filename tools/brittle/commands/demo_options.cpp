@@ -2,6 +2,7 @@
 
 #include "tools/brittle/commands/command_line.h"
 #include "tools/brittle/commands/option_groups.h"
+#include "tools/brittle/commands/option_values.h"
 
 namespace brittle::tools {
 
@@ -15,7 +16,7 @@ void add_demo(CLI::App& app, Run& run) {
     add_world_options(demo, command->fracture.world);
     demo.add_option("--ui-scale", command->ui_scale,
                     "Scale of text and panels; 2 suits a display of high density. The default is the display's.")
-        ->check(CLI::Range(0.5, 4.0));
+        ->check(number_from(0.5, 4.0));
     add_classify_option(demo, command->classify);
     add_record_option(demo, command->record);
     add_view_options(demo, command->view);

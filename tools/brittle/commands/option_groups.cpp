@@ -37,7 +37,7 @@ void add_threads_option(CLI::App& command, uint32_t& threads) {
     command
         .add_option("--threads", threads,
                     "Number of worker threads; 0 stands for one per core. The result does not depend on it.")
-        ->check(CLI::Range(0u, 1024u))
+        ->check(number_from(0, 1024))
         ->capture_default_str();
 }
 
@@ -68,7 +68,7 @@ void add_export_options(CLI::App& command, ExportSettings& files) {
     command
         .add_option("--density", files.density,
                     "Density for the masses of --rigid-bodies, kg/m^3. The default is the material's.")
-        ->check(CLI::PositiveNumber);
+        ->check(positive_number());
     command
         .add_option("--interior-texture", files.interior_texture,
                     "Image for the cut faces, repeated every metre (PNG or JPEG)")

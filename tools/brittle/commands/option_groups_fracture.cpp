@@ -22,6 +22,7 @@ void add_vector_option(CLI::App& command, const char* name, glm::dvec3& target, 
             help)
         ->expected(3)
         ->delimiter(',')
+        ->check(finite_number())
         ->type_name("X,Y,Z");
 }
 
@@ -51,15 +52,17 @@ void add_mesh_options(CLI::App& command, FractureOptions& options) {
 // --material comes before --pattern and its shape, which override it.
 void add_pattern_options(CLI::App& command, FractureOptions& options) {
     fracture::Pattern& pattern = options.pattern;
-    auto* count = command
-                      .add_option("-n,--pieces", pattern.count,
-                                  "Number of Voronoi sites. A site whose cell misses the solid gives no piece.")
-                      ->check(CLI::Range(1u, 1'000'000u))
-                      ->capture_default_str();
+    auto* count =
+        command
+            .add_option("-n,--pieces", pattern.count,
+                        "Number of Voronoi sites. A site whose cell misses the solid gives no piece.")
+            ->check(number_from(1, 1'000'000))
+            ->capture_default_str();
     command
         .add_option("--seed", pattern.seed,
                     "Seed of all random numbers: those of patterns and of the cuts that blows make. Equal seeds give "
                     "equal pieces.")
+        ->check(non_negative_number())
         ->capture_default_str();
     command
         .add_option_function<std::string>(
@@ -87,16 +90,16 @@ void add_pattern_options(CLI::App& command, FractureOptions& options) {
     command
         .add_option("--jitter", pattern.jitter,
                     "Irregularity of the pattern, from 0 to 1. The default depends on the pattern.")
-        ->check(CLI::Range(0.0, 1.0));
+        ->check(number_from(0.0, 1.0));
     command
         .add_option("--piece-size", pattern.piece_size,
                     "Size of a piece, metres. The number of sites is the volume of the solid divided by its cube.")
-        ->check(CLI::PositiveNumber)
+        ->check(positive_number())
         ->excludes(count);
     command
         .add_option("--grading", pattern.grading,
                     "Spread of the sizes of pieces: from 0 (nearly equal) to 1 (from crumbs to lumps)")
-        ->check(CLI::Range(0.0, 1.0));
+        ->check(number_from(0.0, 1.0));
     command.add_flag("--inside", pattern.inside, "Place sites inside the solid only, so that each site makes a piece");
 }
 
@@ -114,7 +117,7 @@ void add_site_options(CLI::App& command, FractureOptions& options) {
     command
         .add_option("--scale-sites", options.sites_placement.scale,
                     "Factor by which the sites of --sites are scaled about the centre of their box")
-        ->check(CLI::PositiveNumber);
+        ->check(positive_number());
     add_vector_option(command, "--move-sites", options.sites_placement.move,
                       "Translation of the sites of --sites, metres");
     command
@@ -155,7 +158,7 @@ void add_algorithm_options(CLI::App& command, FractureOptions& options) {
         .add_option("--min-volume", options.min_volume,
                     "Minimum volume of a piece, cubic metres. A smaller piece joins the neighbour with the largest "
                     "contact area.")
-        ->check(CLI::NonNegativeNumber)
+        ->check(non_negative_number())
         ->capture_default_str();
     add_threads_option(command, options.threads);
 }

@@ -51,7 +51,7 @@ void add_bond_options(CLI::App& command, WorldOptions& world) {
         .add_option("--strength", world.strength,
                     "Strength of bonds and breakable pieces, as a multiple of the material's. 0.075 is stone laid in "
                     "weak mortar.")
-        ->check(CLI::Range(1e-6, 1e6))
+        ->check(number_from(1e-6, 1e6))
         ->capture_default_str();
 }
 
@@ -63,16 +63,16 @@ void add_breaking_options(CLI::App& command, WorldOptions& world) {
     command
         .add_option("--min-size", world.min_size,
                     "Minimum size of a piece cut by a blow: the cube root of its volume, metres")
-        ->check(CLI::Range(1e-4, 10.0))
+        ->check(number_from(1e-4, 10.0))
         ->capture_default_str();
     command.add_option("--blow-pieces", world.blow_pieces, "Maximum number of pieces that one blow cuts from a piece")
-        ->check(CLI::Range(2u, 1000u))
+        ->check(number_from(2, 1000))
         ->capture_default_str();
     command
         .add_option("--piece-limit", world.piece_limit,
                     "Maximum number of pieces in a breakable world, bonded or not. Debris beyond it is removed, first "
                     "outside the picture, then by size and age. With --bonded alone nothing is removed.")
-        ->check(CLI::Range(1u, 1'000'000u))
+        ->check(number_from(1, 1'000'000))
         ->capture_default_str();
 }
 
@@ -80,7 +80,7 @@ void add_air_and_crowd_options(CLI::App& command, WorldOptions& world) {
     command
         .add_option("--air-density", world.air_density,
                     "Density of the air, which slows moving pieces, kg/m^3. 0 is a vacuum.")
-        ->check(CLI::Range(0.0, 1e4))
+        ->check(number_from(0.0, 1e4))
         ->capture_default_str();
     auto* max_colliding =
         command
@@ -88,17 +88,17 @@ void add_air_and_crowd_options(CLI::App& command, WorldOptions& world) {
                         "Maximum number of awake pieces that collide with each other. Further pieces that break off "
                         "collide only with the ground, fixed pieces, balls and pieces at least twice as long, and may "
                         "overlap each other. The limit keeps frames short; 0 removes it.")
-            ->check(CLI::Range(0u, 1'000'000u))
+            ->check(number_from(0, 1'000'000))
             ->capture_default_str();
     // The former name of --max-colliding. The empty group hides it from the help.
     command.add_option("--most-colliding", world.max_colliding)
-        ->check(CLI::Range(0u, 1'000'000u))
+        ->check(number_from(0, 1'000'000))
         ->excludes(max_colliding)
         ->group("");
     command
         .add_option("--height", world.height,
                     "Initial height of the mesh above the ground, metres. Ignored with --anchored.")
-        ->check(CLI::Range(0.0, 100.0))
+        ->check(number_from(0.0, 100.0))
         ->capture_default_str();
 }
 

@@ -1,14 +1,62 @@
 #include "tools/brittle/commands/option_values.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
+#include <cstdlib>
+#include <functional>
 #include <sstream>
 #include <vector>
 
-#include <CLI/CLI.hpp>
-
 namespace brittle::tools {
+
+namespace {
+
+// The number with its shortest digits; whole ones in groups of three.
+std::string written(double number) {
+    if (number == std::floor(number) && std::abs(number) < 1e15) {
+        std::string digits = std::to_string(static_cast<int64_t>(std::abs(number)));
+        for (size_t at = digits.size(); at > 3;) digits.insert(at -= 3, ",");
+        return (number < 0.0 ? "-" : "") + digits;
+    }
+    char digits[32];
+    return {digits, std::to_chars(digits, digits + sizeof digits, number).ptr};
+}
+
+// `wanted` completes "is not"; the help shows `range`.
+CLI::Validator number_validator(const std::string& wanted, const std::string& range,
+                                const std::function<bool(double)>& is_right) {
+    const auto check = [=](const std::string& text) -> std::string {
+        char* end = nullptr;
+        const double number = std::strtod(text.c_str(), &end);
+        const bool is_number = !text.empty() && *end == '\0';
+        if (is_number && std::isfinite(number) && is_right(number)) return {};
+        return "'" + text + "' is not " + wanted;
+    };
+    return CLI::Validator(check, range);
+}
+
+} // namespace
+
+CLI::Validator number_from(double low, double high) {
+    const std::string range = written(low) + " to " + written(high);
+    return number_validator("a number from " + range, range,
+                            [=](double number) { return number >= low && number <= high; });
+}
+
+CLI::Validator positive_number() {
+    return number_validator("a number above 0", "above 0", [](double number) { return number > 0.0; });
+}
+
+CLI::Validator non_negative_number() {
+    return number_validator("a number from 0", "from 0", [](double number) { return number >= 0.0; });
+}
+
+CLI::Validator finite_number() {
+    return number_validator("a finite number", "", [](double) { return true; });
+}
 
 Ball parse_ball(const std::string& option, const std::string& text) {
     Ball ball;

@@ -1,14 +1,22 @@
-// Option values that consist of several numbers. Each function throws a CLI::ValidationError that names the option,
-// the value and the form expected.
+// Option values: limits of numbers, and values that consist of several numbers.
 #pragma once
 
 #include <string>
 
+#include <CLI/CLI.hpp>
 #include <glm/vec2.hpp>
 
 #include "tools/brittle/recipe/input.h"
 
 namespace brittle::tools {
+
+// Validators of numbers. All refuse NaN and infinity, and messages give limits as people write them.
+[[nodiscard]] CLI::Validator number_from(double low, double high);
+[[nodiscard]] CLI::Validator positive_number();
+[[nodiscard]] CLI::Validator non_negative_number();
+[[nodiscard]] CLI::Validator finite_number();
+
+// The functions below throw a CLI::ValidationError that names the option, the value and the form expected.
 
 struct Ball {
     glm::dvec3 centre{0.0};

@@ -15,6 +15,7 @@
 #include "tools/brittle/profile/measure.h"
 #include "tools/brittle/profile/table.h"
 #include "tools/brittle/profile/trace.h"
+#include "tools/brittle/recipe/json_reader.h"
 
 namespace brittle::tools {
 
@@ -73,7 +74,7 @@ int run_profile(const ProfileCommand& command) {
     }
 
     // Printed before the files are written, so that a failure of writing does not lose the times.
-    const std::string json = profile.dump(2) + "\n";
+    const std::string json = text_of(profile, 2) + "\n";
     if (command.json) {
         std::fputs(json.c_str(), stdout);
     } else {
@@ -83,7 +84,7 @@ int run_profile(const ProfileCommand& command) {
     std::fflush(stdout);
     write(command.output, json);
     write(command.csv, profile_csv(profile));
-    if (!command.trace.empty()) write(command.trace, trace.json(trace_metadata(profile)).dump() + "\n");
+    if (!command.trace.empty()) write(command.trace, text_of(trace.json(trace_metadata(profile))) + "\n");
     return comparison && comparison->slower ? exit_slower : exit_success;
 }
 

@@ -2,6 +2,7 @@
 
 #include "tools/brittle/commands/command_line.h"
 #include "tools/brittle/commands/option_groups.h"
+#include "tools/brittle/commands/option_values.h"
 
 namespace brittle::tools {
 
@@ -24,7 +25,7 @@ void add_scenario_lists(CLI::App& profile, ScenarioGroup& lists) {
         ->excludes("mesh")
         ->type_name("MESH,MESH,...");
     profile.add_option("--counts", lists.counts, "Several numbers of sites instead of --pieces")
-        ->check(CLI::Range(1u, 1'000'000u))
+        ->check(number_from(1, 1'000'000))
         ->delimiter(',')
         ->allow_extra_args(false)
         ->excludes("--pieces")
@@ -43,16 +44,16 @@ void add_scenario_lists(CLI::App& profile, ScenarioGroup& lists) {
 
 void add_repetitions(CLI::App& profile, ProfilePlan& plan) {
     profile.add_option("--warm-up", plan.warm_up, "Number of fractures before the measured ones")
-        ->check(CLI::Range(0u, 10'000u))
+        ->check(number_from(0, 10'000))
         ->capture_default_str();
     profile.add_option("--repeats", plan.repeats, "Number of measured fractures")
-        ->check(CLI::Range(1u, 10'000u))
+        ->check(number_from(1, 10'000))
         ->capture_default_str();
     profile
         .add_option("--frames", plan.frames,
                     "Number of measured frames before the fracture, and again after it. 0 measures none and needs no "
                     "device.")
-        ->check(CLI::Range(0u, 100'000u))
+        ->check(number_from(0, 100'000))
         ->capture_default_str();
 }
 
@@ -68,7 +69,7 @@ void add_outputs(CLI::App& profile, ProfileCommand& command) {
         .add_option("--threshold", command.threshold,
                     "Ratio of new to old above which --compare calls a time slower. Both median and minimum must "
                     "exceed it.")
-        ->check(CLI::Range(1.0, 1000.0))
+        ->check(number_from(1.0, 1000.0))
         ->needs(compare)
         ->capture_default_str();
 }

@@ -2,6 +2,7 @@
 
 #include "tools/brittle/commands/command_line.h"
 #include "tools/brittle/commands/option_groups.h"
+#include "tools/brittle/commands/option_values.h"
 
 namespace brittle::tools {
 
@@ -15,7 +16,7 @@ void add_picture_options(CLI::App& render, PictureOptions& picture) {
     render
         .add_option("--explode", picture.explode,
                     "Distance by which pieces are drawn apart, as a share of their distance from the middle")
-        ->check(CLI::Range(0.0f, 10.0f))
+        ->check(number_from(0.0, 10.0))
         ->capture_default_str();
     render.add_flag("--show-sites", picture.sites, "Draw the sites as red spheres");
     render.add_flag("--show-hulls", picture.hulls, "Draw the collision hulls as red lines");
@@ -23,14 +24,15 @@ void add_picture_options(CLI::App& render, PictureOptions& picture) {
     render.add_flag("--wireframe", picture.wireframe, "Draw the edges of triangles");
     render.add_flag("--show-cells", picture.cells, "Draw the edges of the Voronoi cells as blue lines");
     render.add_option("--azimuth", picture.azimuth, "Azimuth of the camera, degrees from +Z towards +X")
+        ->check(finite_number())
         ->capture_default_str();
     render.add_option("--elevation", picture.elevation, "Elevation of the camera above the ground, degrees")
-        ->check(CLI::Range(-89.0f, 89.0f))
+        ->check(number_from(-89.0, 89.0))
         ->capture_default_str();
     render
         .add_option("--distance", picture.distance,
                     "Distance of the camera. 1 shows the mesh, the ground and some room around them.")
-        ->check(CLI::Range(0.1f, 10.0f))
+        ->check(number_from(0.1, 10.0))
         ->capture_default_str();
 }
 
@@ -38,10 +40,10 @@ void add_frame_options(CLI::App& render, RenderCommand& command) {
     render
         .add_option("--frames", command.fracture.picture.frames,
                     "Number of frames to simulate after the first picture, at 60 per second")
-        ->check(CLI::Range(0u, 100'000u))
+        ->check(number_from(0, 100'000))
         ->capture_default_str();
     render.add_option("--every", command.every, "Interval between the frames that are written")
-        ->check(CLI::Range(1u, 100'000u))
+        ->check(number_from(1, 100'000))
         ->capture_default_str();
     render
         .add_option("-o,--output", command.output,

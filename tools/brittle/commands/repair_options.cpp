@@ -2,6 +2,7 @@
 
 #include "tools/brittle/commands/command_line.h"
 #include "tools/brittle/commands/option_groups.h"
+#include "tools/brittle/commands/option_values.h"
 
 namespace brittle::tools {
 
@@ -18,11 +19,11 @@ void add_repair(CLI::App& app, Run& run) {
         .add_option("--weld", command->settings.weld_distance,
                     "Distance within which vertices on the rims of holes are merged, metres. The default is a "
                     "millionth of the mesh's size.")
-        ->check(CLI::NonNegativeNumber);
+        ->check(non_negative_number());
     repair
         .add_option("--close-holes", command->settings.close_holes,
                     "Maximum length of the rim of a hole that is closed, metres. By default all holes are closed.")
-        ->check(CLI::NonNegativeNumber);
+        ->check(non_negative_number());
     using Remesh = fracture::RepairSettings::Remesh;
     repair
         .add_option_function<std::string>(
@@ -31,8 +32,7 @@ void add_repair(CLI::App& app, Run& run) {
                 command->settings.remesh_holes = how == "flat" ? Remesh::flat : Remesh::smooth;
             },
             "Give the fills of holes new vertices, as dense as the surface around. flat: in the plane of each triangle "
-            "of "
-            "the fill. smooth: so that the curvature around goes on.")
+            "of the fill. smooth: so that the curvature around goes on.")
         ->check(CLI::IsMember({"flat", "smooth"}))
         ->type_name("HOW");
     repair.add_flag("--cavities", command->settings.cavities,

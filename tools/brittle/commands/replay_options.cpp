@@ -2,6 +2,7 @@
 
 #include "tools/brittle/commands/command_line.h"
 #include "tools/brittle/commands/option_groups.h"
+#include "tools/brittle/commands/option_values.h"
 
 namespace brittle::tools {
 
@@ -15,7 +16,7 @@ void add_replay(CLI::App& app, Run& run) {
                     "Name of pictures of the run. %04d stands for the number of the frame.")
         ->type_name("FILE_%04d.png");
     replay.add_option("--every", command->every, "Interval between the frames that are written, of 60 per second")
-        ->check(CLI::Range(1u, 100'000u))
+        ->check(number_from(1, 100'000))
         ->capture_default_str();
     replay.add_option("--video", command->video, "File for a video of the run, made by the program ffmpeg")
         ->type_name("FILE.mp4");

@@ -1,4 +1,5 @@
 #include "tools/brittle/commands/report.h"
+#include "tools/brittle/recipe/json_reader.h"
 
 #include <cinttypes>
 #include <cstdarg>
@@ -53,7 +54,7 @@ std::string report_json(const Input& input, const Broken& broken, const std::str
     report["islands"] = c.pieces - c.cells;
     report["milliseconds"] = milliseconds;
     report["recipe"] = nlohmann::ordered_json::parse(recipe);
-    return report.dump(2) + "\n";
+    return text_of(report, 2) + "\n";
 }
 
 } // namespace brittle::tools

@@ -418,7 +418,7 @@ void read_picture(JsonReader& reader, PictureOptions& picture) {
 } // namespace
 
 std::string recipe_json(const FractureOptions& options) {
-    return recipe_object(options).dump();
+    return text_of(recipe_object(options));
 }
 
 void read_recipe(const std::filesystem::path& file, FractureOptions& options) {
@@ -487,7 +487,12 @@ Json recipe_object(const FractureOptions& options, const std::filesystem::path& 
 }
 
 void write_recipe(const std::filesystem::path& file, const FractureOptions& options) {
-    const std::string text = recipe_object(options, std::filesystem::absolute(file).parent_path()).dump(2) + "\n";
+    const Json recipe = recipe_object(options, std::filesystem::absolute(file).parent_path());
+    for (const std::string& name : {options.mesh, options.sites_file})
+        if (!is_utf8(name))
+            throw Failure(exit_output, file.string() + ": a recipe cannot name a file whose name is not UTF-8: "
+                                           + fracture::printable(name) + "; rename that file");
+    const std::string text = text_of(recipe, 2) + "\n";
     must(fracture::write_file_atomically(file, std::as_bytes(std::span(text))));
 }
 

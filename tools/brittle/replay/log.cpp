@@ -176,7 +176,7 @@ std::string header_line(const ReplayLog& log, const std::filesystem::path& folde
                     {"pieces", log.pieces},
                     {"pieces_hash", hash_text(log.pieces_hash)},
                     {"recipe", recipe_object(log.recipe, folder)}};
-    return json.dump() + "\n";
+    return text_of(json) + "\n";
 }
 
 std::string state_line(uint64_t step, const ReplayLog::State& state) {
