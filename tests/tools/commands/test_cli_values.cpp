@@ -105,3 +105,37 @@ TEST_CASE("on a full disk one file per piece leaves nothing behind") {
         CHECK(folder.files() == 0);
     }
 }
+
+TEST_CASE("-n gives about that many pieces, --sites-in-box fewer, and recipes keep their sites") {
+    const Folder folder;
+    const std::string report = folder / "report.json", recipe = folder / "recipe.json";
+    const auto run = [&](const std::string& arguments) {
+        const Outcome outcome =
+            run_brittle(folder, "fracture " + arguments + " -o " + (folder / "a.ply") + " --report " + report);
+        REQUIRE_MESSAGE(outcome.exit_code == 0, outcome.output);
+        auto json = nlohmann::json::parse(read_text(report));
+        json["text"] = outcome.output;
+        return json;
+    };
+    for (const std::string pattern : {"uniform", "clustered"}) {
+        const std::string options = "shape:animal -n 60 --pattern " + pattern;
+        const auto inside = run(options + " --save-recipe " + recipe);
+        CHECK(inside["cells"] == 60);
+        CHECK(inside["pieces"] >= 60);
+        CHECK(inside["pieces"] <= 75);
+        const auto again = run("--recipe " + recipe);
+        CHECK(again["hash"] == inside["hash"]);
+        const auto in_box = run(options + " --sites-in-box --save-recipe " + recipe);
+        CHECK(in_box["cells"] < 60);
+        CHECK(in_box["text"].get<std::string>().find("cells that miss the solid") != std::string::npos);
+        // A recipe without a word about it, as those before this option, keeps its sites in the box.
+        CHECK_FALSE(nlohmann::json::parse(read_text(recipe))["pattern"].contains("inside"));
+        CHECK(run("--recipe " + recipe)["hash"] == in_box["hash"]);
+        CHECK(run(recipe)["hash"] == in_box["hash"]);
+        CHECK(run("--recipe " + recipe + " --inside")["hash"] == inside["hash"]);
+    }
+    const auto grid = run("shape:animal -n 60 --pattern grid"), grid_in_box = run("shape:animal -n 60 --pattern grid "
+                                                                                  "--sites-in-box");
+    CHECK(grid["hash"] == grid_in_box["hash"]);
+    CHECK(run_brittle(folder, "fracture shape:cube --inside --sites-in-box -o " + (folder / "a.ply")).exit_code == 2);
+}

@@ -49,13 +49,20 @@ void add_mesh_options(CLI::App& command, FractureOptions& options) {
         ->type_name("MESH");
 }
 
+// Returns whether a recipe gives the options: its sites are where it says, even if they change elsewhere.
+bool names_recipe(const CLI::App& command) {
+    const CLI::Option* const mesh = command.get_option("mesh");
+    return command.count("--recipe") > 0 || (mesh->count() > 0 && mesh->results().front().ends_with(".json"));
+}
+
 // --material comes before --pattern and its shape, which override it.
 void add_pattern_options(CLI::App& command, FractureOptions& options) {
     fracture::Pattern& pattern = options.pattern;
     auto* count =
         command
             .add_option("-n,--pieces", pattern.count,
-                        "Number of Voronoi sites. A site whose cell misses the solid gives no piece.")
+                        "Number of pieces to aim at: of Voronoi sites, each of which makes a piece if it is inside "
+                        "the solid")
             ->check(number_from(1, 1'000'000))
             ->capture_default_str();
     command
@@ -100,7 +107,21 @@ void add_pattern_options(CLI::App& command, FractureOptions& options) {
         .add_option("--grading", pattern.grading,
                     "Spread of the sizes of pieces: from 0 (nearly equal) to 1 (from crumbs to lumps)")
         ->check(number_from(0.0, 1.0));
-    command.add_flag("--inside", pattern.inside, "Place sites inside the solid only, so that each site makes a piece");
+    auto* inside =
+        command.add_flag("--inside", pattern.inside,
+                         "Place sites inside the solid only, so that each site makes a piece: the default of "
+                         "the patterns uniform and clustered");
+    auto* in_box = command
+                       .add_flag_callback(
+                           "--sites-in-box", [&pattern] { pattern.inside = false; },
+                           "Place sites in the whole box of the mesh, as the paper does. Those outside the solid may "
+                           "give no piece.")
+                       ->excludes(inside);
+    command.parse_complete_callback([&command, &pattern, inside, in_box] {
+        const bool is_random =
+            pattern.kind == fracture::PatternKind::uniform || pattern.kind == fracture::PatternKind::clustered;
+        if (inside->count() == 0 && in_box->count() == 0 && is_random && !names_recipe(command)) pattern.inside = true;
+    });
 }
 
 void add_site_options(CLI::App& command, FractureOptions& options) {

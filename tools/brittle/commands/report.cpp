@@ -22,6 +22,24 @@ namespace {
     return buffer;
 }
 
+std::string number_of(size_t count, const char* one, const char* many) {
+    return std::to_string(count) + (count == 1 ? one : many);
+}
+
+// Says why the pieces are not as many as the sites; empty where they are, or where groups join cells.
+std::string difference(const Input& input, const Broken& broken) {
+    const fracture::Certificate& c = broken.certificate;
+    if (c.pieces == input.sites.size() || !input.groups.empty()) return {};
+    std::string text;
+    if (c.cells < input.sites.size())
+        text = number_of(input.sites.size() - c.cells, " site has", " sites have")
+               + " no piece of their own: cells that miss the solid, or pieces below the minimum volume";
+    if (c.pieces > c.cells)
+        text += (text.empty() ? "" : "; ") + number_of(c.pieces - c.cells, " piece more", " pieces more")
+                + " than cells, because the solid falls apart inside a cell";
+    return text.empty() ? text : "             " + text + "\n";
+}
+
 } // namespace
 
 std::string report_text(const Input& input, const Broken& broken) {
@@ -30,6 +48,7 @@ std::string report_text(const Input& input, const Broken& broken) {
     text += format("%s: %" PRIu64 " triangles, %zu sites\n", input.name.c_str(), c.triangles_in, input.sites.size());
     text += format("  pieces     %u in %u cells, %s\n", c.pieces, c.cells,
                    c.closed ? "every one closed and oriented" : format("%u NOT CLOSED", c.open_pieces).c_str());
+    text += difference(input, broken);
     text +=
         format("  volume     %.9g in, %.9g out, relative error %.1e\n", c.volume_input, c.volume_sum, c.volume_error);
     text += format("  smallest   %.3g of the volume\n", c.smallest_piece / c.volume_input);
