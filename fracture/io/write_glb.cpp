@@ -81,9 +81,11 @@ class Views {
         }
         return result;
     }
-    void append_to(Buffer& glb) const {
-        for (const View& view : views_) {
+    // Moves the content to the end of the file: each view is freed when it is there.
+    void move_to(Buffer& glb) {
+        for (View& view : views_) {
             glb.insert(glb.end(), view.bytes.begin(), view.bytes.end());
+            view.bytes = {};
             while (glb.size() % 4 != 0) glb.push_back(std::byte{0});
         }
     }
@@ -91,6 +93,38 @@ class Views {
   private:
     std::map<std::string, size_t> numbers_;
     std::vector<View> views_;
+};
+
+// Names that are not UTF-8 would throw; the replacement character takes the place of invalid bytes.
+std::string text_of(const Json& json) {
+    return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+// A JSON array, kept as text: the objects of a large file would take many times the memory of their text.
+class JsonList {
+  public:
+    [[nodiscard]] size_t size() const { return entries_.size(); }
+    [[nodiscard]] bool empty() const { return entries_.empty(); }
+    // Returns the place of the entry.
+    size_t add(const Json& entry) {
+        entries_.push_back(text_of(entry));
+        return entries_.size() - 1;
+    }
+    void set(size_t place, const Json& entry) { entries_[place] = text_of(entry); }
+    // Moves the array to the end of the text.
+    void move_to(std::string& text) {
+        text += '[';
+        for (size_t k = 0; k < entries_.size(); ++k) {
+            if (k > 0) text += ',';
+            text += entries_[k];
+            entries_[k] = {};
+        }
+        text += ']';
+        entries_.clear();
+    }
+
+  private:
+    std::vector<std::string> entries_;
 };
 
 class GlbWriter {
@@ -101,7 +135,7 @@ class GlbWriter {
         find_bonds();
         Json root = {{"name", options_.name}};
         Json children = Json::array();
-        nodes_ = Json::array({nullptr}); // the root, filled in below
+        nodes_.add(nullptr); // the root, set below
         for (const uint32_t p : job_.pieces) {
             children.push_back(nodes_.size());
             if (Result<void> done = add_piece(p); !done) return done.error();
@@ -109,18 +143,18 @@ class GlbWriter {
         if (!children.empty()) root["children"] = std::move(children);
         root["extras"]["brittle"] = {{"certificate", Json::parse(certificate_json(job_.certificate))},
                                      {"recipe", recipe}};
-        nodes_[0] = std::move(root);
+        nodes_.set(0, root);
 
         Json document;
         document["asset"] = {{"version", "2.0"}, {"generator", "Brittle " BRITTLE_VERSION}};
         if (options_.rigid_bodies) extensions_.insert(rigid_body_extension);
         document["scene"] = 0;
         document["scenes"] = Json::array({{{"nodes", {0}}}});
-        document["nodes"] = std::move(nodes_);
-        if (!meshes_.empty()) { // glTF forbids empty lists
-            document["meshes"] = std::move(meshes_);
+        document["nodes"] = nullptr; // assemble() puts the lists in the places of these
+        if (!meshes_.empty()) {      // glTF forbids empty lists
+            document["meshes"] = nullptr;
             materials_.add_to(document, extensions_, [this](Buffer bytes) { return views_.add(std::move(bytes)); });
-            document["accessors"] = std::move(accessors_);
+            document["accessors"] = nullptr;
             document["bufferViews"] = views_.json();
             document["buffers"] = Json::array({{{"byteLength", views_.size()}}});
         }
@@ -129,13 +163,18 @@ class GlbWriter {
     }
 
   private:
-    // The bonds of each piece to pieces with a higher number, in this file or another.
     void find_bonds() {
-        for (const Bond& bond : job_.fragments.bonds)
-            bonds_[bond.a].push_back({{"piece", bond.b},
-                                      {"area", bond.area},
-                                      {"centroid", array_of(bond.centroid)},
-                                      {"normal", array_of(bond.normal)}});
+        for (const Bond& bond : job_.fragments.bonds) bonds_[bond.a].push_back(&bond);
+    }
+
+    [[nodiscard]] static Json json_of(std::span<const Bond* const> bonds) {
+        Json list = Json::array();
+        for (const Bond* bond : bonds)
+            list.push_back({{"piece", bond->b},
+                            {"area", bond->area},
+                            {"centroid", array_of(bond->centroid)},
+                            {"normal", array_of(bond->normal)}});
+        return list;
     }
 
     Result<void> add_piece(uint32_t p) {
@@ -155,7 +194,7 @@ class GlbWriter {
         place(node, p, origin);
         if (!primitives.empty()) {
             node["mesh"] = meshes_.size();
-            meshes_.push_back({{"name", name}, {"primitives", std::move(primitives)}});
+            meshes_.add({{"name", name}, {"primitives", std::move(primitives)}});
         }
         Json inertia = Json::array();
         for (int row = 0; row < 3; ++row) {
@@ -169,12 +208,11 @@ class GlbWriter {
                   {"inertia", std::move(inertia)},
                   {"exterior_triangles", piece.exterior_triangles},
                   {"interior_triangles", piece.triangles.size() - piece.exterior_triangles}};
-        if (const auto bonds = bonds_.find(p); bonds != bonds_.end()) extras["bonds"] = std::move(bonds->second);
+        if (const auto bonds = bonds_.find(p); bonds != bonds_.end()) extras["bonds"] = json_of(bonds->second);
 
-        const size_t at = nodes_.size();
-        nodes_.push_back(nullptr);
+        const size_t at = nodes_.add(nullptr);
         if (Result<void> done = add_hulls(node, p, origin, name); !done) return done.error();
-        nodes_[at] = std::move(node);
+        nodes_.set(at, node);
         return {};
     }
 
@@ -210,7 +248,7 @@ class GlbWriter {
             if (options_.rigid_bodies && !alone)
                 (*hull)["extensions"][rigid_body_extension] = collider_json(nodes_.size());
             node["children"].push_back(nodes_.size());
-            nodes_.push_back(std::move(*hull));
+            nodes_.add(*hull);
         }
         return {};
     }
@@ -232,7 +270,7 @@ class GlbWriter {
         if (!attributes) return attributes.error();
         Json primitive = {{"attributes", std::move(*attributes)}, {"indices", add_indices(indices, positions.size())}};
         Json node = {{"name", name}, {"mesh", meshes_.size()}};
-        meshes_.push_back({{"name", name}, {"primitives", Json::array({std::move(primitive)})}});
+        meshes_.add({{"name", name}, {"primitives", Json::array({std::move(primitive)})}});
         return node;
     }
 
@@ -252,10 +290,8 @@ class GlbWriter {
             least = glm::min(least, p);
             greatest = glm::max(greatest, p);
         }
-        const size_t accessor = add_accessor("positions", positions, "VEC3");
-        accessors_[accessor]["min"] = array_of(least);
-        accessors_[accessor]["max"] = array_of(greatest);
-        return Json{{"POSITION", accessor}};
+        const Json range{{"min", array_of(least)}, {"max", array_of(greatest)}};
+        return Json{{"POSITION", add_accessor("positions", positions, "VEC3", float_32, range)}};
     }
 
     // Returns whether several vertices of the piece have one position in single precision.
@@ -292,18 +328,21 @@ class GlbWriter {
                     {"material", materials_.material_of(part)}};
     }
 
+    // `more`: further members of the accessor.
     template<class T>
-    size_t add_accessor(const char* kind, std::span<const T> values, const char* type) {
+    size_t add_accessor(const char* kind, std::span<const T> values, const char* type, int component_type = float_32,
+                        const Json& more = {}) {
         const size_t view = views_.number(kind, sizeof(T), array_buffer);
         Buffer& bytes = views_.bytes(view);
-        accessors_.push_back({{"bufferView", view},
-                              {"byteOffset", bytes.size()},
-                              {"componentType", float_32},
-                              {"count", values.size()},
-                              {"type", type}});
+        Json accessor{{"bufferView", view},
+                      {"byteOffset", bytes.size()},
+                      {"componentType", component_type},
+                      {"count", values.size()},
+                      {"type", type}};
+        if (!more.is_null()) accessor.update(more);
         const auto raw = std::as_bytes(values);
         bytes.insert(bytes.end(), raw.begin(), raw.end());
-        return accessors_.size() - 1;
+        return accessors_.add(accessor);
     }
 
     // Attributes may not have 32-bit integers, so the number of a vertex is two halves, the low one first.
@@ -313,20 +352,18 @@ class GlbWriter {
             const uint32_t number = piece.vertices.begin + v;
             halves.emplace_back(number & 0xffffu, number >> 16);
         }
-        const size_t accessor = add_accessor("points", std::span<const glm::u16vec2>(halves), "VEC2");
-        accessors_[accessor]["componentType"] = unsigned_short;
-        return accessor;
+        return add_accessor("points", std::span<const glm::u16vec2>(halves), "VEC2", unsigned_short);
     }
 
     size_t add_indices(std::span<const uint32_t> indices, size_t vertices) {
         const bool is_short = vertices <= 65535; // 65535 is the restart value and no valid index
         const size_t view = views_.number("indices", 0, element_array_buffer);
         Buffer& bytes = views_.bytes(view);
-        accessors_.push_back({{"bufferView", view},
-                              {"byteOffset", bytes.size()},
-                              {"componentType", is_short ? unsigned_short : unsigned_int},
-                              {"count", indices.size()},
-                              {"type", "SCALAR"}});
+        const size_t accessor = accessors_.add({{"bufferView", view},
+                                                {"byteOffset", bytes.size()},
+                                                {"componentType", is_short ? unsigned_short : unsigned_int},
+                                                {"count", indices.size()},
+                                                {"type", "SCALAR"}});
         for (const uint32_t index : indices) {
             if (is_short)
                 append(bytes, static_cast<uint16_t>(index));
@@ -334,13 +371,22 @@ class GlbWriter {
                 append(bytes, index);
         }
         while (bytes.size() % 4 != 0) bytes.push_back(std::byte{0});
-        return accessors_.size() - 1;
+        return accessor;
     }
 
     // The container: a header of twelve bytes, the JSON padded with spaces, the buffer padded with zeros.
-    Result<Buffer> assemble(const Json& document) const {
-        // Names that are not UTF-8 would throw; the replacement character takes the place of invalid bytes.
-        std::string json = document.dump(-1, ' ', false, Json::error_handler_t::replace);
+    Result<Buffer> assemble(const Json& document) {
+        const std::map<std::string, JsonList*> lists{
+            {"nodes", &nodes_}, {"meshes", &meshes_}, {"accessors", &accessors_}};
+        std::string json;
+        for (const auto& [key, value] : document.items()) {
+            json += (json.empty() ? "{\"" : ",\"") + key + "\":";
+            if (const auto list = lists.find(key); list != lists.end())
+                list->second->move_to(json);
+            else
+                json += text_of(value);
+        }
+        json += '}';
         json.resize((json.size() + 3) / 4 * 4, ' ');
         const uint64_t binary = views_.size();
         const uint64_t total = 12 + 8 + json.size() + (binary > 0 ? 8 + binary : 0);
@@ -360,7 +406,7 @@ class GlbWriter {
         if (binary == 0) return glb;
         append(glb, static_cast<uint32_t>(binary));
         append(glb, binary_chunk);
-        views_.append_to(glb);
+        views_.move_to(glb);
         return glb;
     }
 
@@ -368,8 +414,8 @@ class GlbWriter {
     const ExportOptions& options_;
     const Model* source_;
     GlbMaterials materials_{options_};
-    std::map<uint32_t, Json> bonds_;
-    Json nodes_, meshes_ = Json::array(), accessors_ = Json::array();
+    std::map<uint32_t, std::vector<const Bond*>> bonds_; // of each piece to those with a higher number, in any file
+    JsonList nodes_, meshes_, accessors_;
     Views views_;
     std::set<std::string> extensions_;
 };

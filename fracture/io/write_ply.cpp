@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <optional>
+#include <span>
 #include <unordered_map>
 
 #include "fracture/io/bytes.h"
@@ -37,6 +37,17 @@ Result<std::vector<OutputFile>> write_ply(const ExportJob& job) {
     const uint32_t of_cuts = bytes_of(glm::vec4(interior_material(job.options).base_colour));
     std::vector<std::byte> vertices, faces;
     uint64_t vertex_count = 0, face_count = 0;
+    if (!has_colours) { // of a large file, growing buffers and a copy of them would take several times the memory
+        constexpr size_t vertex_size = 3 * sizeof(double), face_size = 1 + 3 * sizeof(uint32_t) + sizeof(uint32_t) + 1;
+        constexpr size_t max_header = 1000;
+        size_t all_vertices = 0, all_faces = 0;
+        for (const uint32_t p : job.pieces) {
+            all_vertices += job.fragments.pieces[p].vertices.size();
+            all_faces += job.fragments.pieces[p].triangles.size();
+        }
+        faces.reserve(all_faces * face_size);
+        vertices.reserve(max_header + all_vertices * vertex_size + all_faces * face_size);
+    }
     const auto add_vertex = [&](const glm::dvec3& p, const std::optional<ColouredPoint>& point) {
         for (int k = 0; k < 3; ++k) append(vertices, p[k]);
         if (point) append(vertices, point->colour);
@@ -84,11 +95,10 @@ Result<std::vector<OutputFile>> write_ply(const ExportJob& job) {
                   "property uint point\n";
     header += "element face " + std::to_string(face_count)
               + "\nproperty list uchar uint vertex_indices\nproperty uint piece\nproperty uchar interior\nend_header\n";
-    std::vector<std::byte> bytes(header.size());
-    std::memcpy(bytes.data(), header.data(), header.size());
-    bytes.insert(bytes.end(), vertices.begin(), vertices.end());
-    bytes.insert(bytes.end(), faces.begin(), faces.end());
-    return std::vector<OutputFile>{{"", std::move(bytes)}};
+    const auto head = std::as_bytes(std::span(header));
+    vertices.insert(vertices.begin(), head.begin(), head.end());
+    vertices.insert(vertices.end(), faces.begin(), faces.end());
+    return std::vector<OutputFile>{{"", std::move(vertices)}};
 }
 
 } // namespace brittle::fracture
