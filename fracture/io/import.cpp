@@ -126,7 +126,7 @@ Result<Model> read_model(std::string_view extension, std::span<const std::byte> 
     std::string converted;
     if (extension == ".obj") return read_obj(utf8_of(bytes, converted), companions);
     if (extension == ".off") return read_off(utf8_of(bytes, converted));
-    if (extension == ".stl") return model_of(read_stl(bytes));
+    if (extension == ".stl") return read_stl(bytes);
     if (extension == ".3ds") return model_of(read_3ds(bytes));
     if (extension == ".ply") return read_ply(bytes, companions);
     return read_gltf(bytes, companions);

@@ -4,6 +4,7 @@
 
 #include "fracture/io/bytes.h"
 #include "fracture/io/readers.h"
+#include "fracture/io/stl_attribute.h"
 #include "fracture/io/text_cursor.h"
 
 namespace brittle::fracture {
@@ -95,8 +96,11 @@ class TextStlReader {
     TriangleMesh mesh_;
 };
 
-Result<TriangleMesh> read_binary(std::span<const std::byte> bytes, uint32_t count) {
-    TriangleMesh mesh;
+Model read_binary(std::span<const std::byte> bytes, uint32_t count) {
+    // Only a file of Brittle's has attributes of the meaning that stl_attribute.h describes.
+    const bool has_points = text_of(bytes).starts_with(stl_head);
+    Model model;
+    TriangleMesh& mesh = model.mesh;
     mesh.positions.reserve(size_t{count} * 3);
     mesh.triangles.reserve(count);
     for (uint32_t t = 0; t < count; ++t) {
@@ -106,20 +110,29 @@ Result<TriangleMesh> read_binary(std::span<const std::byte> bytes, uint32_t coun
             mesh.positions.push_back(p);
         }
         mesh.triangles.emplace_back(3 * t, 3 * t + 1, 3 * t + 2);
+        if (!has_points) continue;
+        const auto attribute = load<uint16_t>(bytes, header_size + t * record_size + 48);
+        for (uint32_t corner = 0; corner < 3; ++corner) model.points.push_back(stl_rank(attribute, corner));
     }
-    return mesh;
+    return model;
 }
 
 } // namespace
 
-Result<TriangleMesh> read_stl(std::span<const std::byte> bytes) {
+Result<Model> read_stl(std::span<const std::byte> bytes) {
     const std::string_view text = text_of(bytes);
     const uint32_t count = bytes.size() >= header_size ? load<uint32_t>(bytes, 80) : 0;
     const uint64_t promised = header_size + uint64_t{count} * record_size;
     if (bytes.size() >= header_size && bytes.size() == promised) return read_binary(bytes, count);
 
     const bool is_text = equals(TextCursor(text).token_of_any_line(), "solid") && text.find('\0') == text.npos;
-    if (is_text) return TextStlReader(text).read();
+    if (is_text) {
+        Result<TriangleMesh> mesh = TextStlReader(text).read();
+        if (!mesh) return mesh.error();
+        Model model;
+        model.mesh = *std::move(mesh);
+        return model;
+    }
     if (bytes.size() < header_size) {
         return Error{Status::malformed_file,
                      "neither text that starts with 'solid' nor a binary STL file, whose header "

@@ -31,7 +31,7 @@ namespace brittle::fracture {
 void read_mtl(std::string_view text, Companions& companions, Model& model);
 
 // STL, text or binary, distinguished by content: many binary files start with "solid" too.
-[[nodiscard]] Result<TriangleMesh> read_stl(std::span<const std::byte> bytes);
+[[nodiscard]] Result<Model> read_stl(std::span<const std::byte> bytes);
 
 // Stanford PLY, text or binary of either byte order: element `vertex` with x, y, z of any type, normals, colours and
 // texture coordinates; element `face` with its list of indices and MeshLab's texture coordinates. Other elements and

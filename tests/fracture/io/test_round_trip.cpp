@@ -1,8 +1,9 @@
-// What repair wrote, fracture takes: parts that only touch come back apart from every format that has indices.
+// What repair wrote, fracture takes: parts that only touch come back apart from every format.
 #include <doctest/doctest.h>
 
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <numbers>
 #include <string>
 #include <utility>
@@ -15,6 +16,7 @@
 #include "fracture/io/weld.h"
 #include "fracture/mesh/topology.h"
 #include "fracture/shapes/shapes.h"
+#include "fracture/sites/sites.h"
 #include "tests/folder.h"
 #include "tests/fracture/mesh_checks.h"
 #include "tests/fracture/repair_checks.h"
@@ -99,16 +101,16 @@ std::vector<std::pair<std::string, TriangleMesh>> damaged_meshes() {
 
 } // namespace
 
-TEST_CASE("round trip: a repaired mesh comes back closed from every format with indices") {
+TEST_CASE("round trip: a repaired mesh comes back closed from every format") {
     const test::Folder folder;
-    for (const auto& [name, mesh] : damaged_meshes()) {
-        CAPTURE(name);
-        const Repaired repaired = repair(mesh);
+    for (const auto& damaged : damaged_meshes()) {
+        INFO(damaged.first);
+        const Repaired repaired = repair(damaged.second);
         if (repaired.mesh.triangles.empty()) continue;
         const TopologyReport before = check_topology(repaired.mesh.positions.size(), repaired.mesh.triangles);
         REQUIRE(before.closed());
         for (const bool coloured : {false, true})
-            for (const std::string ending : {".glb", ".obj", ".ply"}) {
+            for (const std::string ending : {".glb", ".obj", ".ply", ".stl"}) {
                 CAPTURE(coloured);
                 CAPTURE(ending);
                 Model model;
@@ -131,11 +133,30 @@ TEST_CASE("round trip: a repaired mesh comes back closed from every format with 
     }
 }
 
-TEST_CASE("round trip: cubes that touch along an edge come back from STL too") {
+TEST_CASE("round trip: the pieces of a fracture come back as the pieces that they were") {
+    const test::Folder folder;
+    const TriangleMesh mesh = icosphere(2);
+    const Result<Fragments> pieces = fracture(mesh, uniform_sites(bounds(mesh), 12, 1));
+    REQUIRE(pieces);
+    for (const char* name : {"a.obj", "a.ply", "a.stl"}) {
+        CAPTURE(name);
+        REQUIRE(export_pieces(folder.path / name, *pieces, {}));
+        const Result<TriangleMesh> back = import_mesh(folder.path / name);
+        REQUIRE(back);
+        const TopologyReport report = check_topology(back->positions.size(), back->triangles);
+        CHECK(report.manifold());
+        CHECK(report.components == pieces->pieces.size());
+    }
+}
+
+TEST_CASE("round trip: cubes that touch along an edge come back apart from a foreign STL file") {
     const test::Folder folder;
     Model model;
-    model.mesh = repair(cubes_at({{0, 0, 0}, {2, 2, 0}})).mesh;
+    model.mesh = cubes_at({{0, 0, 0}, {2, 2, 0}});
     REQUIRE(export_model(folder.path / "cubes.stl", model, "cubes"));
+    std::string bytes = test::read_text(folder.path / "cubes.stl");
+    bytes.replace(0, 7, "Foreign");
+    std::ofstream(folder.path / "cubes.stl", std::ios::binary) << bytes;
     const Result<TriangleMesh> back = import_mesh(folder.path / "cubes.stl");
     REQUIRE(back);
     CHECK(check_topology(back->positions.size(), back->triangles).closed());
