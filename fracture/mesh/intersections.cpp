@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include <glm/common.hpp>
@@ -118,6 +119,47 @@ Prepared prepared(const Corners& c) {
     return result;
 }
 
+// Whether two triangles with area have a point in common besides shared vertices and edges.
+bool have_common_points(const Triangle& u, const Prepared& a, const Triangle& v, const Prepared& b) {
+    const Corners &p = a.corners, &q = b.corners;
+    std::array<size_t, 3> own{}, other{}; // corners of s and t at shared vertices
+    size_t shared = 0;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j)
+            if (u[i] == v[j] && shared < 3) {
+                own[shared] = static_cast<size_t>(i);
+                other[shared++] = static_cast<size_t>(j);
+            }
+    if (shared == 3) return false;
+    if (shared == 2) { // two shared vertices: the triangles intersect if they fold onto each other
+        const size_t i = 3 - own[0] - own[1], j = 3 - other[0] - other[1];
+        if (a.side(q[j]) != 0) return false;
+        const auto side = [&](const glm::dvec3& at) {
+            return sign(orientation(without(p[own[0]], a.axis), without(p[own[1]], a.axis), without(at, a.axis)));
+        };
+        return side(p[i]) == side(q[j]);
+    }
+    // The sides of the planes decide most pairs: all corners of one triangle on one side, apart from a shared one.
+    std::array<int, 3> sp{}, sq{}; // of the corners of each triangle against the plane of the other
+    const auto is_apart = [&](const Prepared& of, const Corners& corners, size_t common, std::array<int, 3>& sides) {
+        int sum = 0;
+        for (size_t k = 0; k < 3; ++k) {
+            sides[k] = shared == 1 && k == common ? 0 : of.side(corners[k]);
+            sum += sides[k];
+        }
+        return std::abs(sum) == static_cast<int>(3 - shared);
+    };
+    if (is_apart(a, q, other[0], sq) || is_apart(b, p, own[0], sp)) return false;
+    const auto crosses = [](const Corners& ends, const std::array<int, 3>& sides, size_t k, const Prepared& of) {
+        const size_t m = k == 2 ? 0 : k + 1;
+        return meets(ends[k], ends[m], sides[k], sides[m], of.corners, of.axis);
+    };
+    if (shared == 1) return crosses(p, sp, (own[0] + 1) % 3, b) || crosses(q, sq, (other[0] + 1) % 3, a);
+    for (size_t k = 0; k < 3; ++k)
+        if (crosses(p, sp, k, b) || crosses(q, sq, k, a)) return true;
+    return false;
+}
+
 class Finder {
   public:
     Finder(const TriangleMesh& mesh, uint64_t max_pairs, size_t max_listed)
@@ -192,46 +234,7 @@ class Finder {
     }
 
     [[nodiscard]] bool intersect(uint32_t s, uint32_t t) const {
-        const Triangle &u = mesh_.triangles[s], &v = mesh_.triangles[t];
-        const Prepared &a = prepared_[s], &b = prepared_[t];
-        const Corners &p = a.corners, &q = b.corners;
-        std::array<size_t, 3> own{}, other{}; // corners of s and t at shared vertices
-        size_t shared = 0;
-        for (int i = 0; i < 3; ++i)
-            for (int j = 0; j < 3; ++j)
-                if (u[i] == v[j] && shared < 3) {
-                    own[shared] = static_cast<size_t>(i);
-                    other[shared++] = static_cast<size_t>(j);
-                }
-        if (shared == 3) return false;
-        if (shared == 2) { // two shared vertices: the triangles intersect if they fold onto each other
-            const size_t i = 3 - own[0] - own[1], j = 3 - other[0] - other[1];
-            if (a.side(q[j]) != 0) return false;
-            const auto side = [&](const glm::dvec3& at) {
-                return sign(orientation(without(p[own[0]], a.axis), without(p[own[1]], a.axis), without(at, a.axis)));
-            };
-            return side(p[i]) == side(q[j]);
-        }
-        // The sides of the planes decide most pairs: all corners of one triangle on one side, apart from a shared one.
-        std::array<int, 3> sp{}, sq{}; // of the corners of each triangle against the plane of the other
-        const auto is_apart = [&](const Prepared& of, const Corners& corners, size_t common,
-                                  std::array<int, 3>& sides) {
-            int sum = 0;
-            for (size_t k = 0; k < 3; ++k) {
-                sides[k] = shared == 1 && k == common ? 0 : of.side(corners[k]);
-                sum += sides[k];
-            }
-            return std::abs(sum) == static_cast<int>(3 - shared);
-        };
-        if (is_apart(a, q, other[0], sq) || is_apart(b, p, own[0], sp)) return false;
-        const auto crosses = [](const Corners& ends, const std::array<int, 3>& sides, size_t k, const Prepared& of) {
-            const size_t m = k == 2 ? 0 : k + 1;
-            return meets(ends[k], ends[m], sides[k], sides[m], of.corners, of.axis);
-        };
-        if (shared == 1) return crosses(p, sp, (own[0] + 1) % 3, b) || crosses(q, sq, (other[0] + 1) % 3, a);
-        for (size_t k = 0; k < 3; ++k)
-            if (crosses(p, sp, k, b) || crosses(q, sq, k, a)) return true;
-        return false;
+        return have_common_points(mesh_.triangles[s], prepared_[s], mesh_.triangles[t], prepared_[t]);
     }
 
     const TriangleMesh& mesh_;
@@ -246,6 +249,12 @@ class Finder {
 
 Intersections find_intersections(const TriangleMesh& mesh, uint64_t max_pairs, size_t max_listed) {
     return Finder(mesh, max_pairs, max_listed).run();
+}
+
+bool intersect(std::span<const glm::dvec3> positions, const Triangle& s, const Triangle& t) {
+    const auto of = [&](const Triangle& c) { return prepared({positions[c.x], positions[c.y], positions[c.z]}); };
+    const Prepared a = of(s), b = of(t);
+    return a.axis >= 0 && b.axis >= 0 && have_common_points(s, a, t, b);
 }
 
 } // namespace brittle::fracture

@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include <glm/vec2.hpp>
@@ -28,6 +29,9 @@ struct Intersections {
 // search ends after `max_pairs` pairs with overlapping boxes. Preconditions: indices in range, coordinates finite and
 // below 1e50.
 [[nodiscard]] Intersections find_intersections(const TriangleMesh& mesh, uint64_t max_pairs, size_t max_listed = 0);
+
+// Returns whether two triangles intersect in this sense.
+[[nodiscard]] bool intersect(std::span<const glm::dvec3> positions, const Triangle& s, const Triangle& t);
 
 // Returns the sign of det(a - d, b - d, c - d): positive if d lies on the side of the plane from which a, b, c are
 // clockwise, 0 exactly if the four points are coplanar. Filtered in double, then exact.

@@ -278,21 +278,21 @@ class HoleCloser {
                 fill.triangles.emplace_back(loop[k], loop[(k + 1) % loop.size()], centre);
             accept(fill.triangles);
         } else {
-            accept_best(loop, std::move(fill.triangles));
+            accept_best(loop, fill.triangles);
         }
         count_closed(loop);
     }
 
-    // Takes the first fill that passes through no triangle, else the one with the fewest crossings: the given one, that
-    // of least area, and that one as smooth as the surface around.
-    void accept_best(const Loop& loop, std::vector<Triangle> first) {
-        if (loop.size() == 3) return accept(first); // there is no other
+    // Takes the first fill that intersects no triangle, else the one with the fewest intersections: the given one and that
+    // of least area, each as it was asked for, plain, and smooth.
+    void accept_best(const Loop& loop, const std::vector<Triangle>& given) {
+        if (loop.size() == 3) return accept(given); // there is no other
         using Remesh = RepairSettings::Remesh;
-        Remeshed best = finished(std::move(first), settings_.remesh_holes);
+        Remeshed best = finished(given, settings_.remesh_holes);
         uint64_t crossings = count_crossings(best).value_or(0);
-        const auto attempt = [&](std::vector<Triangle> fill, Remesh remesh) {
+        const auto attempt = [&](const std::vector<Triangle>& fill, Remesh remesh) {
             if (crossings == 0 || fill.empty()) return;
-            Remeshed other = finished(std::move(fill), remesh);
+            Remeshed other = finished(fill, remesh);
             const std::optional<uint64_t> its = count_crossings(other);
             if (!its || *its >= crossings) return;
             crossings = *its;
@@ -300,8 +300,8 @@ class HoleCloser {
         };
         if (crossings > 0) {
             const std::vector<Triangle> least = fill_by_area(work_.mesh.positions, loop, taken_);
-            attempt(least, settings_.remesh_holes);
-            attempt(least, Remesh::smooth);
+            for (const Remesh remesh : {settings_.remesh_holes, Remesh::none, Remesh::smooth})
+                for (const std::vector<Triangle>& fill : {given, least}) attempt(fill, remesh);
         }
         if (crossings > 0) {
             work_.report.crossing_fills.add(place_of(loop));
@@ -315,8 +315,8 @@ class HoleCloser {
         accept(best.triangles);
     }
 
-    Remeshed finished(std::vector<Triangle> fill, RepairSettings::Remesh remesh) {
-        if (remesh == RepairSettings::Remesh::none) return {std::move(fill), {}};
+    Remeshed finished(const std::vector<Triangle>& fill, RepairSettings::Remesh remesh) {
+        if (remesh == RepairSettings::Remesh::none) return {fill, {}};
         if (!neighbours_) neighbours_.emplace(work_.mesh);
         return remesh_fill(work_.mesh.positions, fill, *neighbours_, taken_, remesh == RepairSettings::Remesh::smooth);
     }

@@ -16,24 +16,6 @@ std::vector<uint32_t> all_of(const TriangleMesh& mesh) {
     return all;
 }
 
-// Whether an edge of s passes through the inside of t.
-bool pierces(std::span<const glm::dvec3> positions, const Triangle& s, const Triangle& t) {
-    const auto side = [&](uint32_t v) {
-        if (v == t.x || v == t.y || v == t.z) return 0;
-        return orientation(positions[t.x], positions[t.y], positions[t.z], positions[v]);
-    };
-    const int sides[3] = {side(s.x), side(s.y), side(s.z)};
-    for (int k = 0; k < 3; ++k) {
-        const int next = (k + 1) % 3;
-        if (sides[k] * sides[next] >= 0) continue;
-        const glm::dvec3 &p = positions[s[k]], &q = positions[s[next]];
-        int sum = 0;
-        for (int j = 0; j < 3; ++j) sum += orientation(p, q, positions[t[j]], positions[t[(j + 1) % 3]]);
-        if (sum == 3 || sum == -3) return true;
-    }
-    return false;
-}
-
 constexpr uint64_t max_pairs = 20'000'000;
 
 bool boxes_meet(const Box& a, const Box& b) {
@@ -76,7 +58,7 @@ uint64_t Crossings::count_below(uint32_t node, const Triangle& t, const Box& box
 
 uint64_t Crossings::compare(const Triangle& s, const Triangle& t) {
     ++pairs_;
-    return pierces(mesh_.positions, s, t) || pierces(mesh_.positions, t, s) ? 1 : 0;
+    return intersect(mesh_.positions, s, t) ? 1 : 0;
 }
 
 } // namespace brittle::fracture::mending

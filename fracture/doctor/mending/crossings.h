@@ -15,8 +15,8 @@ class Crossings {
     // The triangles of the mesh at this time. Positions may be appended later.
     explicit Crossings(const TriangleMesh& mesh);
 
-    // Returns the number of pairs of a fill's triangle and another one, of the mesh or of the fill, of which an edge of one
-    // passes through the inside of the other. Exact.
+    // Returns the number of pairs of a fill's triangle and another one, of the mesh or of the fill, that intersect
+    // (intersections.h).
     // Nothing once all calls together have compared twenty million pairs, as in a soup of triangles.
     [[nodiscard]] std::optional<uint64_t> count(std::span<const Triangle> fill);
 
