@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "physics/solver/ellipsoid_contact.h"
 #include "physics/solver/rotate4.h"
 #include "physics/solver/time_of_impact.h"
 #include "physics/world/world_check.h"
@@ -10,11 +11,6 @@
 namespace brittle::physics {
 
 namespace {
-
-// A moving body is large beside debris if it is this many times as long. Smaller factors give more contacts: with 1.5
-// twice as many in a fall of a thousand pieces onto a thousand. With 3, steps are a tenth shorter, but debris then
-// holds up less of what it broke off, which breaks again: 8 % more pieces, in twice as many steps.
-constexpr float debris_factor = 2.0f;
 
 // The faces of a hull; nearly every hull holds them.
 HullFaces faces_of(const CollisionHull& hull) {
@@ -41,6 +37,7 @@ void measure(BodyMeasures& body, const HullShape& hull) {
     body.longest = hull.longest();
     body.reach = hull.radius();
     body.thickness = thickness(hull);
+    body.squared_semi_axes = squared_semi_axes(hull.bounds({}), hull.volume());
 }
 
 void measure(BodyMeasures& body, const CompoundShape& compound) {
@@ -49,10 +46,13 @@ void measure(BodyMeasures& body, const CompoundShape& compound) {
     body.longest = std::max({size.x, size.y, size.z});
     body.reach = 0.0f;
     body.thickness = unbounded;
+    float volume = 0.0f; // overlaps of hulls count twice
     for (const CompoundShape::Child& child : compound.children()) {
         body.reach = std::max(body.reach, glm::length(child.frame.origin) + child.shape().radius());
         body.thickness = std::min(body.thickness, thickness(child.shape()));
+        volume += child.shape().volume();
     }
+    body.squared_semi_axes = squared_semi_axes(box, volume);
 }
 
 // The cross section of a hull in its own axes; nearly every hull holds it.
@@ -113,16 +113,11 @@ std::string describe(SolverForm& form, const BodyDesc& desc) {
 
 // A step sets the bounds of every moving body anew. Until then any bounds around the body will do, which saves a pass
 // over its points. A body that is astray in its first step keeps these.
-std::unique_ptr<SweptProxy> proxy_of(Body& body, bool large) {
+std::unique_ptr<SweptProxy> proxy_of(Body& body) {
     const glm::vec3 reach(body.reach);
     const Bounds bounds =
         body.fixed ? body.bounds(body.frame) : Bounds{body.frame.origin - reach, body.frame.origin + reach};
-    const Collides collides = body.fixed ? Collides::fixed : body.debris ? Collides::debris : Collides::moving;
-    return std::make_unique<SweptProxy>(SweptProxy{.body = &body,
-                                                   .bounds = bounds,
-                                                   .collides = collides,
-                                                   .size = body.fixed || large ? unbounded : body.longest,
-                                                   .min_partner = body.debris ? debris_factor * body.longest : 0.0f});
+    return std::make_unique<SweptProxy>(SweptProxy{.body = &body, .bounds = bounds, .fixed = body.fixed});
 }
 
 // Sets mass, state and proxy. Precondition: the shape is set.
@@ -141,8 +136,8 @@ void finish(NewBody& made, const BodyDesc& desc, const WorldSettings& settings) 
     else if (!settings.sleeping)
         body.activity = Activity::never_sleeps;
     body.debris = !body.fixed && (desc.debris || body.longest < settings.debris_size);
-    body.siblings = desc.siblings;
-    made.proxy = proxy_of(body, desc.large);
+    body.cut = body.siblings = desc.siblings;
+    made.proxy = proxy_of(body);
     body.proxy = made.proxy.get();
 }
 

@@ -31,9 +31,10 @@ struct BodyMeasures {
     glm::dvec3 moments{1.0};                        // principal moments of inertia, kg m^2
     float mass = 0.0f;                              // kg; a fixed body keeps the given mass
     bool fixed = false;
-    float reach = 0.0f;     // m, distance of the farthest point from the centre of mass
-    float thickness = 0.0f; // m, of the thinnest hull
-    float longest = 0.0f;   // m, longest side of the bounds in the body's own axes
+    float reach = 0.0f;                // m, distance of the farthest point from the centre of mass
+    float thickness = 0.0f;            // m, of the thinnest hull
+    float longest = 0.0f;              // m, longest side of the bounds in the body's own axes
+    glm::vec3 squared_semi_axes{0.0f}; // m^2, of its ellipsoid along the axes of its frame (ellipsoid_contact.h)
 };
 
 // The solver's BodyForm: the part of a body that is computed ahead.
@@ -63,7 +64,8 @@ struct Body : BodyMeasures {
     Transform frame;                 // of the principal axes in the world
     Velocity velocity;
     SweptProxy* proxy = nullptr;             // in the broadphase
-    uint32_t siblings = 0;                   // number of its cut (siblings.h); 0: none
+    uint32_t cut = 0;                        // number of its cut (BodyDesc::siblings); 0: none
+    uint32_t siblings = 0;                   // the same while its pieces move as one (siblings.h), then 0
     std::shared_ptr<const SolverForm> form;  // source of the measures
     std::unique_ptr<CompoundShape> compound; // null for a body with one hull
     std::vector<HullEdge> edges;             // of the one hull, for debug lines; filled when they are first drawn

@@ -25,7 +25,16 @@ bool is_at_rest(const SweptProxy& proxy) {
 void ContactSolver::solve(std::span<Body* const> awake, std::span<const AnyManifold> manifolds, Joints& joints,
                           fracture::Threads& threads) {
     const auto substeps = static_cast<int>(settings_.solver_substeps);
-    rows_.solve(awake, manifolds, joints,
+    const DebrisSolver::Step debris{.seconds = settings_.step,
+                                    .gravity = settings_.gravity,
+                                    .separation_speed = settings_.separation_speed,
+                                    .min_bounce_speed = min_bounce_speed,
+                                    .push_part = push_part,
+                                    .static_push_part = static_push_part,
+                                    .row_substeps = static_cast<float>(substeps)};
+    debris_.choose(awake, manifolds);
+    debris_.push_guests(debris);
+    rows_.solve(debris_.other_bodies(), debris_.other_manifolds(), joints,
                 {.seconds = settings_.step,
                  .substeps = {.count = substeps,
                               .first = first_sweeps,
@@ -39,7 +48,7 @@ void ContactSolver::solve(std::span<Body* const> awake, std::span<const AnyManif
                  .separation_speed = settings_.separation_speed,
                  .min_bounce_speed = min_bounce_speed},
                 threads);
-    manifolds_ = manifolds;
+    debris_.solve(debris, threads);
     awake_.assign(awake.begin(), awake.end());
     contacts_.clear();
     reported_ = Reported::none;
@@ -64,8 +73,21 @@ std::span<const Contact> ContactSolver::contacts() {
 }
 
 void ContactSolver::report_solved() {
-    auto solved = rows_.solved().begin();
-    for (const AnyManifold& manifold : manifolds_) {
+    report_solved(debris_.other_manifolds(), rows_.solved());
+    report_solved(debris_.manifolds(), debris_.solved());
+}
+
+void ContactSolver::report_solved(std::span<const AnyManifold> manifolds, std::span<const RowSolver::Solved> all) {
+    auto solved = all.begin();
+    for (const AnyManifold& manifold : manifolds) {
+        if (manifold.ellipsoids) {
+            for (const EllipsoidPoint& point : manifold.ellipsoids->points()) {
+                if (point.last.normal <= 0.0f) continue;
+                contacts_.push_back(report_of(*manifold.ellipsoids, point));
+                contacts_.back().speed = point.speed;
+            }
+            continue;
+        }
         if (manifold.ground) {
             for (const GroundPoint& point : manifold.ground->points()) {
                 if (point.last.normal <= 0.0f) continue;
@@ -85,7 +107,7 @@ void ContactSolver::report_solved() {
             contacts_.push_back(contact);
         }
     }
-    assert(solved == rows_.solved().end());
+    assert(solved == all.end());
 }
 
 // Contacts between sleeping bodies are constant until a body wakes, is added or is removed.
@@ -101,6 +123,11 @@ void ContactSolver::report_sleeping() {
             if (manifold.ground) {
                 for (const GroundPoint& point : manifold.ground->points())
                     if (point.last.normal > 0.0f) sleeping_contacts_.push_back(report_of(*manifold.ground, point));
+                continue;
+            }
+            if (manifold.ellipsoids) {
+                for (const EllipsoidPoint& point : manifold.ellipsoids->points())
+                    if (point.last.normal > 0.0f) sleeping_contacts_.push_back(report_of(*manifold.ellipsoids, point));
                 continue;
             }
             for (const ContactPoint& point : manifold.between->points()) {
@@ -123,6 +150,18 @@ Contact ContactSolver::report_of(const Manifold& manifold, const ContactPoint& p
     contact.part_b = point.part_b;
     contact.point = (manifold.b().fixed ? point.on_a : point.on_b); // on a body that moves
     contact.normal = point.normal;
+    contact.gap = point.distance;
+    return contact;
+}
+
+Contact ContactSolver::report_of(const EllipsoidManifold& manifold, const EllipsoidPoint& point) const {
+    Contact contact;
+    contact.a = manifold.a->id;
+    contact.b = manifold.b->id;
+    contact.point = point.position;
+    contact.normal = point.normal;
+    contact.impulse = contact.blow = point.last.normal;
+    contact.friction = point.last.friction;
     contact.gap = point.distance;
     return contact;
 }

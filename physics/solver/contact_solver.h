@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "physics/solver/body.h"
+#include "physics/solver/debris_solver.h"
 #include "physics/solver/manifold.h"
 #include "physics/solver/row_solver.h"
 #include "physics/solver/sweep_broadphase.h"
@@ -34,14 +35,16 @@ class ContactSolver {
 
   private:
     void report_solved();
+    void report_solved(std::span<const AnyManifold> manifolds, std::span<const RowSolver::Solved> all);
     void report_sleeping();
     [[nodiscard]] Contact report_of(const Manifold& manifold, const ContactPoint& point) const;
+    [[nodiscard]] Contact report_of(const EllipsoidManifold& manifold, const EllipsoidPoint& point) const;
     [[nodiscard]] Contact report_of(const GroundManifold& manifold, const GroundPoint& point) const;
 
     const WorldSettings& settings_;
     const SweepBroadphase& broadphase_;
     RowSolver rows_;
-    std::span<const AnyManifold> manifolds_; // of the last step
+    DebrisSolver debris_;
     std::vector<Contact> contacts_;
     size_t solved_count_ = 0; // number of solved contacts, the first in contacts_
     enum class Reported { none, solved, all } reported_ = Reported::all;

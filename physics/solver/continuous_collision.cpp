@@ -175,8 +175,7 @@ void ContinuousCollision::pair_with_moving(uint32_t body, float from) {
     near_.clear();
     const SweptProxy& own = *bodies_[body]->proxy;
     broadphase_.for_each_overlap(swept(body).grown({}, slow_way_), [&](const SweptProxy& proxy) {
-        if (&proxy != &own && proxy.collides != Collides::fixed && SweepBroadphase::may_collide(own, proxy))
-            near_.push_back(proxy.body->index);
+        if (&proxy != &own && !proxy.fixed) near_.push_back(proxy.body->index);
     });
     for (const uint32_t other : near_)
         if (may_touch(body, other, from)) kept_.push_back({body, other});
@@ -190,7 +189,7 @@ void ContinuousCollision::pair_crossing() {
     threads_.for_chunks(count, min_near, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
         for (const SweptPairs::Key key : keys.subspan(begin, end - begin)) {
             const SweptProxy &a = broadphase_.proxy(key >> 32), &b = broadphase_.proxy(static_cast<uint32_t>(key));
-            if (a.collides == Collides::fixed || b.collides == Collides::fixed) continue;
+            if (a.fixed || b.fixed) continue;
             Two two{std::min(a.body->index, b.body->index), std::max(a.body->index, b.body->index)};
             if (!is_crossing_[two.first]) std::swap(two.first, two.second);
             if (may_touch(two.first, two.second, 0.0f)) kept[chunk].push_back(two);

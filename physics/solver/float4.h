@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <utility>
 
 #if defined(__SSE2__)
 #include <emmintrin.h>
@@ -52,6 +53,8 @@ struct Float4 {
         const __m128 less = _mm_cmplt_ps(a.v, b.v);
         return {_mm_or_ps(_mm_and_ps(less, yes.v), _mm_andnot_ps(less, no.v))};
     }
+    // Exchanges rows and columns.
+    friend void transpose(Float4& a, Float4& b, Float4& c, Float4& d) { _MM_TRANSPOSE4_PS(a.v, b.v, c.v, d.v); }
     // Bit i is set if a == b in lane i.
     friend uint32_t equal(Float4 a, Float4 b) { return static_cast<uint32_t>(_mm_movemask_ps(_mm_cmpeq_ps(a.v, b.v))); }
 };
@@ -111,6 +114,11 @@ struct Float4 {
         for (int i = 0; i < 4; ++i)
             if (a.v[i] < b.v[i]) chosen.v[i] = yes.v[i];
         return chosen;
+    }
+    friend void transpose(Float4& a, Float4& b, Float4& c, Float4& d) {
+        Float4* const rows[4] = {&a, &b, &c, &d};
+        for (int i = 0; i < 4; ++i)
+            for (int j = 0; j < i; ++j) std::swap(rows[i]->v[j], rows[j]->v[i]);
     }
     friend uint32_t equal(Float4 a, Float4 b) {
         return mask(a, b, [](float x, float y) { return x == y; });

@@ -61,6 +61,7 @@ HullShape::HullShape(std::vector<glm::vec3> points, float margin, HullFaces face
         const glm::vec3 area = area_of(points_, faces_.of(face));
         const float length = glm::length(area);
         normals.push_back(length > 0.0f ? area * (1.0f / length) : glm::vec3(0.0f));
+        volume_ += glm::dot(area, points_[faces_.of(face)[0]]) / 6.0f;
     }
     if (!normals.empty()) normals_ = in_lanes(normals);
     radius_ = std::sqrt(square) + margin_;

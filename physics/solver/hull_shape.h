@@ -57,6 +57,8 @@ class HullShape {
         return static_cast<uint32_t>(faces_.begin_of(static_cast<size_t>(face)));
     }
 
+    // The volume within the points, m^3; 0 for a hull without faces.
+    [[nodiscard]] float volume() const { return volume_; }
     // The longest side of the bounds in the hull's own axes.
     [[nodiscard]] float longest() const { return longest_; }
     // Upper bound of the distance of any point from any axis through the origin: half the diagonal of the bounds plus
@@ -68,7 +70,7 @@ class HullShape {
     std::vector<float> lanes_; // groups()
     HullFaces faces_;
     std::vector<float> normals_; // of the faces, as groups()
-    float margin_ = 0.0f, radius_ = 0.0f, longest_ = 0.0f, rotation_radius_ = 0.0f;
+    float margin_ = 0.0f, radius_ = 0.0f, longest_ = 0.0f, rotation_radius_ = 0.0f, volume_ = 0.0f;
 };
 
 // The largest dot product of a point of the hull with a direction of the world, without the margin.

@@ -110,13 +110,35 @@ struct GroundManifold {
     [[nodiscard]] std::span<const GroundPoint> points() const { return std::span(all).first(count); }
 };
 
-// Either kind of manifold, with copies of the members that most loops over contacts read: they touch neither the
+// The point where debris touches a body as ellipsoids (ellipsoid_contact.h).
+struct EllipsoidPoint {
+    glm::vec3 position{0.0f}; // m, world
+    glm::vec3 normal{0.0f};   // from b to a
+    float distance = 0.0f;    // m; below 0: overlap
+    float speed = 0.0f;       // m/s, approach speed before the last step
+    PointImpulse last, start; // as in ContactPoint
+    glm::vec3 rolling{0.0f};  // N m s, on a: the rolling friction from which the next substep starts
+};
+struct EllipsoidManifold {
+    const Body *a = nullptr, *b = nullptr;
+    uint32_t count = 0; // of points, 0 or 1
+    float friction = 0.0f, restitution = 0.0f;
+    float slop = 0.0f;        // m; overlap that stays
+    float rolling_arm = 0.0f; // m; the rolling friction is at most this times the normal impulse
+    EllipsoidPoint point;
+
+    [[nodiscard]] std::span<EllipsoidPoint> points() { return std::span(&point, count); }
+    [[nodiscard]] std::span<const EllipsoidPoint> points() const { return std::span(&point, count); }
+};
+
+// A manifold of any kind, with copies of the members that most loops over contacts read: they touch neither the
 // manifold nor its bodies.
 struct AnyManifold {
     static constexpr uint32_t none = UINT32_MAX;
 
     Manifold* between = nullptr;
     GroundManifold* ground = nullptr;
+    EllipsoidManifold* ellipsoids = nullptr;
     uint32_t a = none, b = none; // indices of the bodies; none: the ground
     bool a_moves = true, b_moves = false;
     uint32_t count = 0; // of points
@@ -124,12 +146,31 @@ struct AnyManifold {
     explicit AnyManifold(Manifold& of)
         : between(&of), a(of.a().index), b(of.b().index), a_moves(!of.a().fixed), b_moves(!of.b().fixed),
           count(of.count()) {}
+    explicit AnyManifold(EllipsoidManifold& of)
+        : ellipsoids(&of), a(of.a->index), b(of.b->index), a_moves(true), b_moves(true), count(of.count) {}
     explicit AnyManifold(GroundManifold& of)
         : ground(&of), a(of.body->index), a_moves(!of.body->fixed), count(of.count) {}
 
+    // Calls visit() with the manifold.
+    auto visit(const auto& visit) const {
+        return ellipsoids ? visit(*ellipsoids) : ground ? visit(*ground) : visit(*between);
+    }
+    // The product of the friction coefficients.
+    [[nodiscard]] float friction() const {
+        return ellipsoids ? ellipsoids->friction : ground ? ground->friction : between->friction();
+    }
+
+    // The product of the restitutions.
+    [[nodiscard]] float restitution() const {
+        return ellipsoids ? ellipsoids->restitution : ground ? ground->restitution : between->restitution();
+    }
+
     // Prefetch in two stages: the body of a ground manifold one round after its contacts.
     [[gnu::always_inline]] void prefetch_contacts() const {
-        prefetch(ground ? static_cast<const void*>(ground) : between, 512); // covers the points of most manifolds
+        if (ellipsoids)
+            prefetch(ellipsoids, sizeof(EllipsoidManifold));
+        else
+            prefetch(ground ? static_cast<const void*>(ground) : between, 512); // covers the points of most manifolds
     }
     [[gnu::always_inline]] void prefetch_body() const {
         if (ground) prefetch(ground->body, sizeof(Body));

@@ -6,6 +6,7 @@
 
 #include "physics/solver/body.h"
 #include "physics/solver/compound_contact.h"
+#include "physics/solver/ellipsoid_contact.h"
 #include "physics/solver/ground_contact.h"
 #include "physics/solver/hull_contact.h"
 #include "physics/solver/prefetch.h"
@@ -39,6 +40,7 @@ std::unique_ptr<PairContacts> make_contacts(const SweptPair& pair) {
     const Body& a = *(pair.a->body ? pair.a : pair.b)->body;
     const Body* const b = pair.a->body ? pair.b->body : nullptr;
     // A compound comes first, so that its parts are those of the first body of a manifold.
+    if (b && touch_as_ellipsoids(a, *b)) return make_ellipsoid_contacts(a, *b);
     if (b && b->compound && !a.compound) return make_compound_contacts(*b, &a);
     if (a.compound) return make_compound_contacts(a, b);
     if (!b) return make_ground_contacts({.body = &a, .shape = &a.hull()});

@@ -35,6 +35,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 
 #include <glm/vec3.hpp>
@@ -144,6 +145,18 @@ struct Substeps {
 // give the first points most of it, and turn the body. (Steepest descent with exact line search; shares: mass splitting,
 // R. Tonge, F. Benevolenski and A. Voroshilov, 2012.)
 inline constexpr float start_growth = 1.5f, start_speed = 0.01f, blow_speed = 0.05f;
+
+// The kinetic energy that impulses add to a component of bodies, J: with a share s of them, linear s + square s^2.
+struct AddedEnergy {
+    double linear = 0.0, square = 0.0;
+    double allowed = 0.0;
+    // The greatest share, at most 1, that adds no more than is allowed.
+    [[nodiscard]] float share() const {
+        if (!(linear + square > allowed)) return 1.0f;
+        const double root = std::sqrt(linear * linear + 4.0 * square * allowed);
+        return static_cast<float>(linear > 0.0 ? 2.0 * allowed / (root + linear) : (root - linear) / (2.0 * square));
+    }
+};
 
 // How fast residuals lower the sum above, J: at its start, and with the factor one.
 struct Descent {

@@ -92,13 +92,6 @@ class RowSolver {
         float restitution, coefficient; // e and mu
         PointImpulse start;             // on a
     };
-    // The kinetic energy that impulses add to a component of bodies, J: with a share s of them, linear s + square s^2.
-    struct AddedEnergy {
-        double linear = 0.0, square = 0.0;
-        double allowed = 0.0;
-        // The greatest share, at most 1, that adds no more than is allowed.
-        [[nodiscard]] float share() const;
-    };
     static GroundStep ground_step(const Step& step);
     static SolverBody solver_body(const Body& body);
     void take_bodies(std::span<Body* const> bodies, fracture::Threads& threads);

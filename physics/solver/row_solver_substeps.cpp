@@ -161,12 +161,6 @@ void RowSolver::spread(uint32_t bundle) {
     static_rows_.spread(bundle, changes, [&](uint32_t body) { return descent_of(body).factor(); });
 }
 
-float RowSolver::AddedEnergy::share() const {
-    if (!(linear + square > allowed)) return 1.0f;
-    const double root = std::sqrt(linear * linear + 4.0 * square * allowed);
-    return static_cast<float>(linear > 0.0 ? 2.0 * allowed / (root + linear) : (root - linear) / (2.0 * square));
-}
-
 // The impulses of a substep add no kinetic energy to a component of bodies without joints. Bodies at rest may get as
 // much as gravity gives them in a substep, because the impulses that hold up a stack grow from below.
 void RowSolver::limit_energy(uint32_t bundle, const Substeps& substeps) {

@@ -96,8 +96,9 @@ void Sleeping::find_contact_states() {
             note_contacts(manifold.a, (ground->count + Manifold::max_points - 1) / Manifold::max_points, is_loaded);
             return;
         }
-        const bool is_loaded = std::ranges::any_of(std::as_const(*manifold.between).points(),
-                                                   [](const ContactPoint& p) { return p.last.normal > 0.0f; });
+        const bool is_loaded = manifold.visit([](const auto& of) {
+            return std::ranges::any_of(of.points(), [](const auto& p) { return p.last.normal > 0.0f; });
+        });
         const auto note_other = [&](uint32_t body, uint32_t other, bool other_moves) {
             ContactState& state = note_contacts(body, 1, is_loaded);
             if (!other_moves) return;
@@ -146,9 +147,7 @@ void Sleeping::settle(float seconds) {
 void Sleeping::find_touching(float seconds) {
     touching_.assign(bodies_.size(), {});
     for_each_contact(islands_.manifolds(), threads_, [&](const AnyManifold& manifold) {
-        const Hold hold = manifold.ground
-                              ? hold_of(std::as_const(*manifold.ground).points(), manifold.ground->friction)
-                              : hold_of(std::as_const(*manifold.between).points(), manifold.between->friction());
+        const Hold hold = manifold.visit([&](const auto& of) { return hold_of(of.points(), manifold.friction()); });
         const auto note_touch = [&](Touching& of) {
             note(of.any);
             if (hold.loaded) note(of.loaded);

@@ -10,7 +10,6 @@
 #include "physics/solver/narrow_phase.h"
 #include "physics/solver/parallel_loops.h"
 #include "physics/solver/prefetch.h"
-#include "physics/world/crowd.h"
 #include "physics/world/world_check.h"
 
 namespace brittle::physics {
@@ -80,7 +79,7 @@ std::unique_ptr<Engine> make_solver(const WorldSettings& settings) {
 Solver::Solver(const WorldSettings& settings) : settings_(settings), threads_(settings.threads) {
     if (settings.ground_height)
         broadphase_.add(std::make_unique<SweptProxy>(
-            SweptProxy{.bounds = {glm::vec3(-unbounded), glm::vec3(unbounded)}, .collides = Collides::fixed}));
+            SweptProxy{.bounds = {glm::vec3(-unbounded), glm::vec3(unbounded)}, .fixed = true}));
 }
 
 // Bodies of one hull are made side by side, and left alone afterwards: half of them lie in another core's cache.
@@ -117,9 +116,7 @@ Result<void> Solver::add(size_t number, BodyId first, const Describe& describe, 
         }
         if (body.awake()) ++awake_.of(body.debris);
     }
-    const float size_factor = partner_size_factor(awake_.debris, settings_.max_colliding);
     for (NewBody& body : made) {
-        body.proxy->min_partner *= size_factor;
         siblings_.add(*body.body);
         broadphase_.add(std::move(body.proxy));
         bodies_.push_back(std::move(body.body));
@@ -420,8 +417,8 @@ size_t Solver::contact_count() const {
     const auto touches = [](const auto& point) { return point.distance < touching_distance; };
     size_t count = 0;
     for (const AnyManifold& manifold : manifolds)
-        count += static_cast<size_t>(manifold.ground ? std::ranges::count_if(manifold.ground->points(), touches)
-                                                     : std::ranges::count_if(manifold.between->points(), touches));
+        count += manifold.visit(
+            [&](const auto& of) { return static_cast<size_t>(std::ranges::count_if(of.points(), touches)); });
     return count;
 }
 
@@ -470,6 +467,9 @@ void Solver::debug_lines(std::vector<DebugLine>& out, const DebugDraw& draw) {
         if (manifold.ground)
             for (const GroundPoint& point : manifold.ground->points())
                 draw_contact(point.position - glm::vec3(0, point.distance, 0), {0, 1, 0}, point.distance);
+        else if (manifold.ellipsoids)
+            for (const EllipsoidPoint& point : manifold.ellipsoids->points())
+                draw_contact(point.position, point.normal, point.distance);
         else
             for (const ContactPoint& point : manifold.between->points())
                 draw_contact(point.on_b, point.normal, point.distance);

@@ -27,10 +27,6 @@ SweptPairs::Key key_of(uint32_t first, uint32_t second) {
     return static_cast<SweptPairs::Key>(std::min(first, second)) << 32 | std::max(first, second);
 }
 
-bool collide(Collides a, Collides b) {
-    return a != b || a == Collides::moving;
-}
-
 // Returns an integer that orders as the number does. Precondition: the number is not NaN.
 uint32_t ascending_bits(float value) {
     const auto bits = std::bit_cast<uint32_t>(value + 0.0f); // -0 is 0
@@ -110,9 +106,6 @@ void SweepBroadphase::Boxes::resize(size_t count) {
         low[axis].resize(count + 3, infinite);
         high[axis].resize(count + 3, -infinite);
     }
-    size.resize(count + 3);
-    min_partner.resize(count);
-    min_partner.resize(count + 3, infinite); // a box without bounds overlaps an empty one
 }
 
 void SweepBroadphase::Boxes::copy(size_t place, Boxes& to, size_t to_place) const {
@@ -120,8 +113,6 @@ void SweepBroadphase::Boxes::copy(size_t place, Boxes& to, size_t to_place) cons
         to.low[axis][to_place] = low[axis][place];
         to.high[axis][to_place] = high[axis][place];
     }
-    to.size[to_place] = size[place];
-    to.min_partner[to_place] = min_partner[place];
 }
 
 void SweepBroadphase::Sorted::resize(size_t count) {
@@ -161,31 +152,17 @@ uint32_t SweepBroadphase::Boxes::overlaps(size_t first, const Box4& box) const {
            & all_less_equal(box.low[0], ends(0), box.low[1], ends(1), box.low[2], ends(2));
 }
 
-uint32_t SweepBroadphase::Boxes::large_enough(size_t first, Float4 own_size, Float4 own_min_partner) const {
-    const Float4 sizes = Float4::load(size.data() + first), min_partners = Float4::load(min_partner.data() + first);
-    return all_less_equal(min_partners, own_size, own_min_partner, sizes, own_min_partner,
-                          sizes); // the second comparison twice
-}
-
 void SweepBroadphase::add(std::unique_ptr<SweptProxy> proxy) {
     proxy->rank = static_cast<uint32_t>(proxies_.size());
     changes_.push_back(SweptPairs::Change::set);
-    collides_.push_back(proxy->collides);
+    fixed_.push_back(proxy->fixed);
     if (proxies_.empty()) boxes_.resize(0);
     for (size_t axis = 0; axis < 3; ++axis) {
         boxes_.low[axis].push_back(infinite);
         boxes_.high[axis].push_back(-infinite);
     }
-    boxes_.size.push_back(0.0f);
-    boxes_.min_partner.push_back(infinite);
     boxes_.set(proxy->rank, proxy->bounds);
-    boxes_.size[proxy->rank] = proxy->size;
-    boxes_.min_partner[proxy->rank] = proxy->min_partner;
     proxies_.push_back(std::move(proxy));
-}
-
-bool SweepBroadphase::may_collide(const SweptProxy& a, const SweptProxy& b) {
-    return collide(a.collides, b.collides) && a.size >= b.min_partner && b.size >= a.min_partner;
 }
 
 void SweepBroadphase::remove(SweptProxy& proxy) {
@@ -214,10 +191,7 @@ void SweepBroadphase::find_pairs() {
     sort_proxies();
     found_.clear();
     sweep(moving_);
-    sweep(moving_, debris_, false);
     sweep(moving_, still_.boxes, false);
-    sweep(moving_, still_debris_.boxes, false);
-    sweep(debris_, still_.boxes, false);
     sort_found();
     pairs_.update(found_, proxies_, changes_);
     std::ranges::fill(changes_, SweptPairs::Change::none);
@@ -233,16 +207,16 @@ void SweepBroadphase::forget_gone() {
         if (left != rank) {
             proxies_[left] = std::move(proxies_[rank]);
             proxies_[left]->rank = left;
-            collides_[left] = collides_[rank];
+            fixed_[left] = fixed_[rank];
             boxes_.copy(rank, boxes_, left);
         }
         ++left;
     }
-    for (Still* still : {&still_, &still_debris_}) forget_gone(*still, ranks);
+    forget_gone(still_, ranks);
     pairs_.forget_gone(changes_, ranks);
     std::erase(changes_, SweptPairs::Change::gone);
     proxies_.resize(left);
-    collides_.resize(left);
+    fixed_.resize(left);
     boxes_.resize(left);
     some_gone_ = false;
 }
@@ -266,12 +240,11 @@ int SweepBroadphase::widest_axis() const {
     std::array<float, 3> spread{};
     for (size_t axis = 0; axis < 3; ++axis) {
         float low = infinite, high = -infinite; // of twice the middles
-        for (const Sorted* boxes : {&moving_, &debris_})
-            for (const uint32_t rank : boxes->ranks) {
-                const float middle = boxes_.low[axis][rank] + boxes_.high[axis][rank];
-                low = std::min(low, middle);
-                high = std::max(high, middle);
-            }
+        for (const uint32_t rank : moving_.ranks) {
+            const float middle = boxes_.low[axis][rank] + boxes_.high[axis][rank];
+            low = std::min(low, middle);
+            high = std::max(high, middle);
+        }
         spread[axis] = high - low;
     }
     const auto widest = std::ranges::max_element(spread);
@@ -315,33 +288,21 @@ void SweepBroadphase::merge(Still& still) {
     std::swap(still.boxes, merged_);
 }
 
-void SweepBroadphase::put_in_order(Still& still, bool other_axis) {
-    if (other_axis) {
-        still.boxes.ranks = still.ranks;
-        sort(still.boxes);
-    } else if (still.ranks != still.known) {
-        merge(still);
-    }
-}
-
 void SweepBroadphase::sort_proxies() {
-    for (Sorted* set : {&moving_, &debris_}) set->ranks.clear();
-    for (Still* still : {&still_, &still_debris_}) {
-        std::swap(still->ranks, still->known);
-        still->ranks.clear();
-    }
-    for (uint32_t rank = 0; rank < proxies_.size(); ++rank) {
-        const bool debris = collides_[rank] == Collides::debris;
-        if (is_set(rank))
-            (debris ? debris_ : moving_).ranks.push_back(rank);
-        else
-            (debris ? still_debris_ : still_).ranks.push_back(rank);
-    }
+    moving_.ranks.clear();
+    std::swap(still_.ranks, still_.known);
+    still_.ranks.clear();
+    for (uint32_t rank = 0; rank < proxies_.size(); ++rank)
+        (is_set(rank) ? moving_.ranks : still_.ranks).push_back(rank);
     const int axis = widest_axis();
     const bool other_axis = std::exchange(axis_, axis) != axis;
     sort(moving_);
-    sort(debris_);
-    for (Still* still : {&still_, &still_debris_}) put_in_order(*still, other_axis);
+    if (other_axis) {
+        still_.boxes.ranks = still_.ranks;
+        sort(still_.boxes);
+    } else if (still_.ranks != still_.known) {
+        merge(still_);
+    }
 }
 
 std::span<const SweptPairs::Key> SweepBroadphase::find_set() {
@@ -352,7 +313,7 @@ std::span<const SweptPairs::Key> SweepBroadphase::find_set() {
     sort(set_);
     found_.clear();
     sweep(set_);
-    for (const Sorted* others : {&moving_, &debris_, &still_.boxes, &still_debris_.boxes}) sweep(set_, *others, true);
+    for (const Sorted* others : {&moving_, &still_.boxes}) sweep(set_, *others, true);
     sort_found();
     return found_;
 }
@@ -456,15 +417,13 @@ void SweepBroadphase::sweep_one(uint32_t rank, const Sorted& others, size_t from
     const std::vector<float>& begin = others.boxes.low[static_cast<size_t>(axis_)];
     const float end = boxes_.high[static_cast<size_t>(axis_)][rank];
     if (from >= others.ranks.size() || begin[from] > end) return;
-    const Collides own = collides_[rank];
+    const bool fixed = fixed_[rank] != 0;
     const Box4 box = boxes_.four_times(rank);
-    const Float4 size = Float4::all(boxes_.size[rank]), min_partner = Float4::all(boxes_.min_partner[rank]);
     for (size_t first = from; first < others.ranks.size() && begin[first] <= end; first += 4) {
         uint32_t lanes = others.boxes.overlaps(first, box);
-        if (lanes != 0) lanes &= others.boxes.large_enough(first, size, min_partner);
         for (; lanes != 0; lanes &= lanes - 1) {
             const uint32_t other = others.ranks[first + static_cast<size_t>(std::countr_zero(lanes))];
-            if (collide(own, collides_[other]) && !(skip_set && is_set(other))) found.push_back(key_of(rank, other));
+            if (!(fixed && fixed_[other] != 0) && !(skip_set && is_set(other))) found.push_back(key_of(rank, other));
         }
     }
 }

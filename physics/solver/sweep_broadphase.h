@@ -3,8 +3,7 @@
 // Bounds are tight: in a heap of pieces, bounds with the slack that a dynamic tree needs give three times as many
 // pairs. The bounds of awake bodies are set in each step. They are sorted along the axis on which they spread most, and
 // compared with each other and with the bounds that were not set (still bounds), four at a time. A pair of still bounds
-// stays as it is. Debris has lists of its own, awake and still, which are compared neither with themselves nor with
-// each other, because debris does not collide with debris.
+// stays as it is.
 //
 // - Pairs are ordered by the ranks of their proxies, and ranks are in order of addition: nothing depends on addresses
 //   or on earlier steps.
@@ -35,17 +34,12 @@ namespace brittle::physics {
 
 struct Body;
 
-// Two bodies of different kinds collide, as do two moving bodies; two fixed bodies or two pieces of debris do not.
-enum class Collides : uint8_t { fixed, moving, debris };
-
 // An entry of the broadphase: the bounds of a body or of the ground.
 struct SweptProxy {
     Body* body = nullptr; // null: the ground
     Bounds bounds;
-    Collides collides = Collides::moving;
-    // m. Two proxies collide only if the size of each is at least the other's min_partner.
-    float size = unbounded, min_partner = 0.0f;
-    uint32_t rank = 0; // index among all proxies, in order of addition
+    bool fixed = false; // two fixed proxies make no pair
+    uint32_t rank = 0;  // index among all proxies, in order of addition
 };
 
 // Two proxies with overlapping bounds, the lower rank first, and their contacts.
@@ -102,8 +96,6 @@ class SweepBroadphase {
     [[nodiscard]] SweptPairs& pairs() { return pairs_; }
     [[nodiscard]] const SweptPairs& pairs() const { return pairs_; }
     [[nodiscard]] const SweptProxy& proxy(uint32_t rank) const { return *proxies_[rank]; }
-    // Returns whether two proxies collide if they overlap: by kind and size.
-    [[nodiscard]] static bool may_collide(const SweptProxy& a, const SweptProxy& b);
     // Calls visit(proxy) for each proxy whose bounds overlap the given ones, in the order of ranks.
     void for_each_overlap(const Bounds& bounds, const std::function<void(const SweptProxy&)>& visit) const;
 
@@ -131,15 +123,12 @@ class SweepBroadphase {
     // index.
     struct Boxes {
         std::array<std::vector<float>, 3> low, high;
-        std::vector<float> size, min_partner; // of the proxies
         void resize(size_t count);
         void set(size_t place, const Bounds& bounds);
         void copy(size_t place, Boxes& to, size_t to_place) const;
         [[nodiscard]] Box4 four_times(size_t place) const;
         // Sets bit i if the box at first + i overlaps the given one.
         [[nodiscard]] uint32_t overlaps(size_t first, const Box4& box) const;
-        // Sets bit i if the size of that box and the given size are at least each other's min_partner.
-        [[nodiscard]] uint32_t large_enough(size_t first, Float4 own_size, Float4 own_min_partner) const;
     };
     // Boxes in ascending order of their low ends along the axis.
     struct Sorted {
@@ -161,7 +150,6 @@ class SweepBroadphase {
     void sort(Sorted& sorted);
     // Sorts the boxes that were set, and brings the order of the others up to date.
     void sort_proxies();
-    void put_in_order(Still& still, bool other_axis);
     // Merges the still boxes of the last step with those that became still since.
     void merge(Still& still);
     [[nodiscard]] bool is_set(uint32_t rank) const { return changes_[rank] == SweptPairs::Change::set; }
@@ -182,15 +170,15 @@ class SweepBroadphase {
     fracture::Threads& threads_;
     std::vector<std::unique_ptr<SweptProxy>> proxies_; // by rank, as are the next three
     std::vector<SweptPairs::Change> changes_;
-    std::vector<Collides> collides_;
+    std::vector<uint8_t> fixed_;
     Boxes boxes_;
     SweptPairs pairs_;
     bool some_gone_ = false;
-    int axis_ = 0;               // of sorting
-    Sorted moving_, debris_;     // boxes that were set when pairs were last found: of other bodies, of debris
-    Still still_, still_debris_; // the remaining boxes
-    Sorted set_;                 // boxes that were set since then
-    Sorted new_, merged_;        // scratch of merge()
+    int axis_ = 0;                                    // of sorting
+    Sorted moving_;                                   // boxes that were set when pairs were last found
+    Still still_;                                     // the remaining boxes
+    Sorted set_;                                      // boxes that were set since then
+    Sorted new_, merged_;                             // scratch of merge()
     std::vector<std::vector<SweptPairs::Key>> parts_; // scratch of one call, with the next two lines
     std::vector<SweptPairs::Key> found_, scratch_, order_;
     std::vector<uint32_t> starts_;

@@ -39,9 +39,4 @@ std::vector<uint8_t> choose_debris(std::span<const BatchBody> batch, size_t room
     return debris;
 }
 
-float partner_size_factor(size_t awake_debris, uint32_t max_colliding) {
-    if (max_colliding == 0) return 1.0f;
-    return std::max(1.0f, static_cast<float>(awake_debris) / static_cast<float>(max_colliding) - 1.0f);
-}
-
 } // namespace brittle::physics

@@ -1,14 +1,11 @@
 // Limits how many awake bodies collide with each other: beyond WorldSettings::max_colliding, new bodies become debris
 // whatever their size.
 //
-// The cost of a step grows with the bodies that all collide with each other, and far less with debris. When a batch of
-// bodies arrives, its largest ones collide with each other as long as there is room, and the rest are debris. Debris
-// collides with the ground, with fixed bodies and with bodies at least twice as long, but not with other debris or
-// bodies of similar size. The price is that such pieces overlap.
+// Contacts of debris cost less than those of hulls (solver/debris_solver.h). When a batch of bodies arrives, its largest
+// ones keep their hulls as long as there is room, and the rest are debris.
 //
 // - The decision is made once, when a body is added, from the state of the world alone. Runs repeat, and no body
 //   starts or stops colliding in view.
-// - The more debris is awake, the larger a moving body must be to collide with new debris: partner_size_factor().
 // - The largest body of a batch always collides, and so does a body of several bonded pieces: they are the remains of
 //   the object that broke. A body that is added alone is the largest of its batch. If debris breaks, which took no
 //   room itself, all parts may be debris. Without room, a break thus adds no colliding bodies except the largest part
@@ -19,8 +16,7 @@
 //     const std::vector<uint8_t> debris = choose_debris(batch, colliding_room(world));
 //     for each piece: desc.debris = debris[i];
 //
-// Pure functions; thread-safe. add_pieces(), Structure and Destruction call choose_debris(). World::add_body() calls
-// partner_size_factor() only.
+// Pure functions; thread-safe. add_pieces(), Structure and Destruction call choose_debris(); World::add_body() does not.
 #pragma once
 
 #include <cstddef>
@@ -45,11 +41,5 @@ struct BatchBody {
 // Returns 1 for each body of the batch that is debris, else 0. Among equal sizes the first ones collide. of_debris:
 // whether the batch comes from a body that was debris.
 [[nodiscard]] std::vector<uint8_t> choose_debris(std::span<const BatchBody> batch, size_t room, bool of_debris = false);
-
-// Returns the factor by which the least size of a partner grows: the least length of a moving body that collides with
-// new debris. awake_debris counts all awake debris, the new batch included. The factor is 1 up to twice the limit, then
-// awake_debris / max_colliding - 1: 2 at three times the limit, 3 at four times. Each further thousand thus costs less
-// than the one before. 1 without a limit.
-[[nodiscard]] float partner_size_factor(size_t awake_debris, uint32_t max_colliding);
 
 } // namespace brittle::physics

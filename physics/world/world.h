@@ -80,16 +80,13 @@ struct WorldSettings {
     // overlap their neighbours from the start: a high speed drives them apart visibly, a low one lets hard impacts
     // overlap for longer. The correction leaves velocities as they are.
     float separation_speed = 0.2f;
-    // m. A moving body whose longest side is below this is debris. It collides with the ground, with fixed bodies,
-    // and with moving bodies that are not debris and at least twice as long (or BodyDesc::large), but not with bodies
-    // of its own size. The hundreds of crumbs of a blow then cost a tenth. With thousands of debris bodies the factor
-    // of two grows (partner_size_factor() in crowd.h). 0: no debris.
+    // m. A moving body whose longest side is below this is debris: it meets moving bodies of its size as an ellipsoid
+    // (solver/ellipsoid_contact.h), and everything that it connects is solved by fewer and simpler steps
+    // (solver/debris_solver.h). 0: no debris.
     float debris_size = 0.02f;
-    // Limit on awake bodies that collide with each other. Beyond it the smaller pieces of a broken object are added as
-    // debris, whatever their size (crowd.h), so that a step does not grow with every break: a thousand more colliding
-    // pieces make it two to three times as long, a thousand more debris pieces a third longer. The price is that these
-    // pieces overlap. A piece's kind is decided when it is added and does not change. 0: no limit, for runs that need
-    // not be real-time.
+    // Limit on awake bodies that are no debris. Beyond it the smaller pieces of a broken object are added as debris,
+    // whatever their size (crowd.h): a heap of debris costs two fifths of a heap of hulls. A piece's kind is decided
+    // when it is added and does not change. 0: no limit, for runs that need not be real-time.
     uint32_t max_colliding = 500;
     // A body that touches something and stays below both speeds comes to rest: after half of the time its remaining
     // jitter is damped, after all of it the body sleeps, together with all bodies that it touches, until something
@@ -148,7 +145,6 @@ struct BodyDesc {
     // and inertia are not read, and mechanics() is zero.
     bool fixed = false;
     bool debris = false; // whatever its size (WorldSettings::debris_size); a fixed body never is
-    bool large = false;  // collides with debris at any size, unless it is debris itself; for a ball that is shot
     // Number of the cut, from World::new_siblings(), for pieces of one cut that are added between two steps and do not
     // overlap; 0: none. While they move as one rigid body, the narrow phase skips the pairs between them.
     uint32_t siblings = 0;
@@ -323,7 +319,6 @@ class World {
 
     // Returns the hulls of `target` that a body of one hull would meet within `seconds`, each as if the others were not
     // there, if both went on at their velocities. In order of time, then of part. Empty for a body of several hulls.
-    // Bodies that collide by the rules of debris or not are treated alike.
     [[nodiscard]] std::vector<CastHit> cast(BodyId id, BodyId target, float seconds) const;
 
     // The speed, m/s, that an impulse of 1 N s along a unit direction gives the body's point along it: the inverse of

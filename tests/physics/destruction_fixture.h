@@ -40,7 +40,6 @@ inline BodyId shoot(World& world, float radius, float mass, const glm::vec3& pos
     const fracture::TriangleMesh mesh = fracture::icosphere(1, static_cast<double>(radius)); // evenly spread vertices
     BodyDesc desc;
     desc.hull = collision_hull(mesh.positions, glm::dvec3(0.0), {.max_vertices = 42});
-    desc.large = true;
     desc.mass = mass;
     desc.inertia = glm::mat3(0.4f * mass * radius * radius);
     desc.pose.position = position;

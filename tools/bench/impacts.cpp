@@ -95,7 +95,6 @@ BodyId shoot_ball(World& world, const glm::vec3& at, const glm::vec3& along, dou
     constexpr float radius = 0.2f;
     BodyDesc ball;
     ball.hull = collision_hull(fracture::icosphere(1, radius).positions, glm::dvec3(0.0), {.max_vertices = 42});
-    ball.large = true;
     ball.mass = static_cast<float>(2.0 * energy) / (ball_speed * ball_speed);
     ball.inertia = glm::mat3(0.4f * ball.mass * radius * radius);
     ball.pose.position = at - (radius + 0.5f) * along;

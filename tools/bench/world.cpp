@@ -185,8 +185,7 @@ void run_tower(benchmark::State& state) {
     const physics::Material material =
         physics::scale_strength(material_preset("stone")->material, physics::flawed_strength); // as in the program
     const TriangleMesh ball = icosphere(1, 0.17);
-    BodyDesc shot{
-        .hull = collision_hull(ball.positions, glm::dvec3(0.0), {.max_vertices = 64}), .large = true, .mass = 160.5f};
+    BodyDesc shot{.hull = collision_hull(ball.positions, glm::dvec3(0.0), {.max_vertices = 64}), .mass = 160.5f};
     shot.inertia = glm::mat3(0.4f * shot.mass * 0.17f * 0.17f);
     for (auto _ : state) {
         World world({.max_colliding = 1000}); // as in the scene

@@ -4,7 +4,7 @@
 // world/alone/N            as meet, on one thread
 // world/default/N          as meet, with the world's defaults: a piece below WorldSettings::debris_size is debris, and
 //                          so is a piece that is added while max_colliding pieces collide
-// world/debris/N           as meet, with all pieces as debris, which collide with the ground only
+// world/debris/N           as meet, with all pieces as debris
 // world/vacuum/1000        as meet, without air
 // world/.../1000_of_3000   a thousand pieces fall beside two thousand that sleep on the ground
 // world/add/KIND/...       a thousand pieces are added in one frame to a world of a thousand falling and two thousand

@@ -77,7 +77,6 @@ Pass shoot(uint32_t count, float strength) {
                         * static_cast<double>(impact_seconds) * std::cbrt(ball_mass);
     const fracture::TriangleMesh sphere = fracture::icosphere(1, radius);
     BodyDesc ball{.hull = collision_hull(sphere.positions, glm::dvec3(0.0), {.max_vertices = 64}),
-                  .large = true,
                   .mass = static_cast<float>(ball_mass),
                   .inertia = glm::mat3(static_cast<float>(0.4 * ball_mass * radius * radius))};
     ball.pose.position = {0.0f, 0.6f, -0.8f};

@@ -51,7 +51,6 @@ TEST_CASE("a block on a rope that breaks a wall keeps its rope and gives the wal
     Structure& wall = *made;
     BodyDesc desc = box(glm::vec3(0.15f), 60.0f, {0, 0, -0.5f});
     desc.linear_velocity = {0, 0, 8};
-    desc.large = true;
     const BodyId wrecker = must_add(world, desc);
     const Result<JointId> rope = world.add_joint({.kind = JointKind::distance,
                                                   .a = wrecker,

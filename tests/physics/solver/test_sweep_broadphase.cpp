@@ -60,21 +60,12 @@ struct Boxes {
         sweep.add(std::move(proxy));
         return *boxes.back().proxy;
     }
-    SweptProxy& add(const Bounds& bounds, Collides collides = Collides::moving) {
-        return add(SweptProxy{.bounds = bounds, .collides = collides});
+    SweptProxy& add(const Bounds& bounds, bool fixed = false) {
+        return add(SweptProxy{.bounds = bounds, .fixed = fixed});
     }
-    SweptProxy& add_random(float space, float size, Collides collides = Collides::moving) {
+    SweptProxy& add_random(float space, float size, bool fixed = false) {
         const glm::vec3 low = corner(-space, space);
-        return add({low, low + corner(0.0f, size)}, collides);
-    }
-    // Debris that collides with boxes of at least `factor` times its longest side; 0: no debris.
-    SweptProxy& add_sized(float space, float size, float factor) {
-        const glm::vec3 low = corner(-space, space), sides = corner(0.0f, size);
-        const float longest = std::max({sides.x, sides.y, sides.z});
-        return add(SweptProxy{.bounds = {low, low + sides},
-                              .collides = factor > 0.0f ? Collides::debris : Collides::moving,
-                              .size = longest,
-                              .min_partner = factor * longest});
+        return add({low, low + corner(0.0f, size)}, fixed);
     }
     void move(size_t which, float by) {
         SweptProxy& proxy = *boxes[which].proxy;
@@ -97,16 +88,12 @@ struct Boxes {
         for (size_t i = 0; i < boxes.size(); ++i)
             for (size_t j = 0; j < i; ++j) {
                 const SweptProxy &a = *boxes[j].proxy, &b = *boxes[i].proxy;
-                const bool kinds = a.collides != b.collides || a.collides == Collides::moving;
-                const bool collide = kinds && a.size >= b.min_partner && b.size >= a.min_partner;
-                CHECK(SweepBroadphase::may_collide(a, b) == collide);
-                CHECK(SweepBroadphase::may_collide(b, a) == collide);
                 bool overlap = true;
                 for (int axis = 0; axis < 3; ++axis)
                     overlap = overlap && a.bounds.low[axis] <= b.bounds.high[axis]
                               && b.bounds.low[axis] <= a.bounds.high[axis];
                 CHECK(a.bounds.overlaps(b.bounds) == overlap);
-                if (collide && overlap) pairs[{boxes[j].name, boxes[i].name}] = 0;
+                if (!(a.fixed && b.fixed) && overlap) pairs[{boxes[j].name, boxes[i].name}] = 0;
             }
         return pairs;
     }
@@ -208,89 +195,33 @@ TEST_CASE("broadphase: a change of the axis on which boxes spread most loses no 
     }
 }
 
-TEST_CASE("broadphase: a change of the sweep axis loses no pair of resting debris") {
+TEST_CASE("broadphase: a change of the sweep axis loses no pair of resting boxes") {
     Boxes boxes;
     for (int axis = 0; axis < 3; ++axis) {
         for (int i = 0; i < 300; ++i) {
             glm::vec3 low = boxes.corner(-0.5f, 0.5f);
             low[axis] *= 40.0f;
-            boxes.add({low, low + glm::vec3(1.0f)}, i % 2 == 0 ? Collides::debris : Collides::moving);
+            boxes.add({low, low + glm::vec3(1.0f)}, i % 4 == 0);
         }
         boxes.check();
-        for (size_t i = 1; i < boxes.boxes.size(); i += 2) boxes.move(i, 0.5f); // no debris
+        for (size_t i = 1; i < boxes.boxes.size(); i += 2) boxes.move(i, 0.5f); // no fixed ones
         boxes.check();
     }
 }
 
-TEST_CASE("broadphase: two fixed boxes and two of debris do not collide, all others do") {
-    for (const Collides a : {Collides::fixed, Collides::moving, Collides::debris})
-        for (const Collides b : {Collides::fixed, Collides::moving, Collides::debris}) {
+TEST_CASE("broadphase: two fixed boxes make no pair, all others do") {
+    for (const bool a : {false, true})
+        for (const bool b : {false, true}) {
             Boxes boxes;
             boxes.add({{0, 0, 0}, {1, 1, 1}}, a);
             boxes.add({{0, 0, 0}, {1, 1, 1}}, b);
             boxes.check();
-            CHECK((boxes.sweep.pairs().size() == 1) == (a != b || a == Collides::moving));
+            CHECK((boxes.sweep.pairs().size() == 1) == !(a && b));
         }
     Boxes boxes;
-    for (int i = 0; i < 90; ++i) boxes.add_random(1.0f, 1.0f, static_cast<Collides>(i % 3));
+    for (int i = 0; i < 90; ++i) boxes.add_random(1.0f, 1.0f, i % 3 == 0);
     boxes.check();
     for (size_t i = 0; i < boxes.boxes.size(); i += 4) boxes.move(i, 0.5f);
-    boxes.check();
-}
-
-TEST_CASE("broadphase: debris collides with all but debris, whichever moves, rests, comes or goes") {
-    Boxes boxes;
-    const auto kind = [](int i) { return i % 2 ? Collides::debris : Collides::moving; };
-    boxes.add(everywhere);
-    for (int i = 0; i < 40; ++i) boxes.add_random(2.0f, 1.5f, Collides::debris);
-    boxes.check(); // debris alone
-    for (int i = 0; i < 80; ++i) boxes.add_random(2.0f, 1.5f, kind(i));
-    for (int round = 0; round < 30; ++round) {
-        for (size_t i = 1; i < boxes.boxes.size(); ++i) // all, only debris, only the others, some
-            if (const bool debris = boxes.boxes[i].proxy->collides == Collides::debris;
-                round % 4 == 0 || (round % 4 == 3 ? boxes.random() % 5 == 0 : debris == (round % 4 == 1)))
-                boxes.move(i, 0.3f);
-        if (round % 3 == 1)
-            for (int i = 0; i < 4; ++i) boxes.remove(1 + boxes.random() % (boxes.boxes.size() - 1));
-        if (round % 5 == 2)
-            for (int i = 0; i < 6; ++i) boxes.add_random(2.0f, 1.5f, kind(i));
-        boxes.check();
-    }
-}
-
-TEST_CASE("broadphase: debris collides with boxes of its minimum size only, whichever moves, rests, comes or goes") {
-    Boxes boxes;
-    boxes.add(everywhere); // larger than all
-    for (int i = 0; i < 120; ++i) boxes.add_sized(1.5f, 1.5f, i % 2 ? 2.0f : 0.0f);
-    boxes.check();
-    size_t too_small = 0; // pairs that overlap
-    for (size_t i = 1; i < boxes.boxes.size(); i += 2)
-        for (size_t j = 2; j < boxes.boxes.size(); j += 2) {
-            const SweptProxy &a = *boxes.boxes[i].proxy, &b = *boxes.boxes[j].proxy;
-            too_small += !SweepBroadphase::may_collide(a, b) && a.bounds.overlaps(b.bounds);
-        }
-    CHECK(too_small > 100);
-    for (int round = 0; round < 30; ++round) {
-        for (size_t i = 1; i < boxes.boxes.size(); ++i)
-            if (round % 3 == 0 || (round % 3 == 1 ? boxes.random() % 5 == 0 : i % 2 == 0)) boxes.move(i, 0.3f);
-        if (round % 3 == 1)
-            for (int i = 0; i < 4; ++i) boxes.remove(1 + boxes.random() % (boxes.boxes.size() - 1));
-        if (round % 5 == 2)
-            for (int i = 0; i < 6; ++i) boxes.add_sized(1.5f, 1.5f, i % 2 ? 2.0f : 0.0f);
-        boxes.check();
-    }
-}
-
-TEST_CASE("broadphase: two boxes collide only where each has the other's minimum size") {
-    Boxes boxes;
-    for (const float factor : {0.0f, 0.5f, 0.9f})
-        for (int i = 0; i < 60; ++i) {
-            const glm::vec3 low = boxes.corner(-1.5f, 1.5f), sides = boxes.corner(0.2f, 1.5f);
-            const float longest = std::max({sides.x, sides.y, sides.z});
-            boxes.add(SweptProxy{.bounds = {low, low + sides}, .size = longest, .min_partner = factor * longest});
-        }
-    boxes.check();
-    for (size_t i = 0; i < boxes.boxes.size(); i += 3) boxes.move(i, 0.3f);
     boxes.check();
 }
 
@@ -314,7 +245,7 @@ TEST_CASE("broadphase: the pairs to visit are those of the boxes that were set")
 
 TEST_CASE("broadphase: boxes that are set after a search are found with all that they overlap") {
     Boxes boxes;
-    for (int i = 0; i < 200; ++i) boxes.add_random(1.0f, 0.5f, i % 3 ? Collides::moving : Collides::debris);
+    for (int i = 0; i < 200; ++i) boxes.add_random(1.0f, 0.5f, i % 3 == 0);
     boxes.check();
     boxes.remove(31); // later boxes move up in rank
     for (size_t i = 0; i < 120; ++i) boxes.move(i, 0.3f);

@@ -201,20 +201,6 @@ TEST_CASE("crowd: the count of colliding bodies is right after every operation t
     }
 }
 
-TEST_CASE("crowd: partner_size_factor() grows beyond twice the limit, and is 1 without a limit") {
-    CHECK(partner_size_factor(0, 500) == 1.0f);
-    CHECK(partner_size_factor(1000, 500) == 1.0f);
-    CHECK(partner_size_factor(1001, 500) > 1.0f);
-    CHECK(partner_size_factor(1500, 500) == 2.0f);
-    CHECK(partner_size_factor(2000, 500) == 3.0f);
-    CHECK(partner_size_factor(1, 1) == 1.0f);
-    CHECK(partner_size_factor(4, 1) == 3.0f);
-    CHECK(partner_size_factor(no_limit, 0) == 1.0f);
-    CHECK(std::isfinite(partner_size_factor(no_limit, 1)));
-    for (size_t debris = 1; debris < 3000; ++debris)
-        CHECK(partner_size_factor(debris, 500) >= partner_size_factor(debris - 1, 500));
-}
-
 TEST_CASE("crowd: of fifteen hundred pieces that are added at once the five hundred largest collide") {
     const fracture::TriangleMesh cube = fracture::cube(2.0);
     const auto broken = fracture::fracture(cube, fracture::uniform_sites(fracture::bounds(cube), 1500, 4));

@@ -604,7 +604,7 @@ TEST_CASE("world: a visit since a step gets exactly the poses that changed") {
     CHECK(world.last_moved_step(world.bodies()[0]) < world.steps_taken());
 }
 
-TEST_CASE("world: debris falls through debris, but not through much larger bodies, fixed ones or the ground") {
+TEST_CASE("world: small bodies are debris, and lie on each other, larger bodies, fixed ones and the ground") {
     WorldSettings settings;
     settings.debris_size = 0.05f;
     World world(settings);
@@ -613,16 +613,21 @@ TEST_CASE("world: debris falls through debris, but not through much larger bodie
     must_add(world, shelf);
     must_add(world, box({0.2f, 0.05f, 0.2f}, 10.0f, {4.0f, 0.05f, 0.0f}));
     const glm::vec3 crumb(0.01f);
-    std::vector<BodyId> crumbs;
-    for (const auto& [x, floor] : {std::pair(0.0f, 0.0f), std::pair(2.0f, 0.1f), std::pair(4.0f, 0.1f)})
-        for (const float gap : {0.001f, 0.2f})
-            crumbs.push_back(must_add(world, box(crumb, 0.02f, {x, floor + 0.01f + gap, 0.0f})));
+    std::vector<std::pair<BodyId, BodyId>> crumbs;
+    for (const auto& [x, floor] : {std::pair(0.0f, 0.0f), std::pair(2.0f, 0.1f), std::pair(4.0f, 0.1f)}) {
+        const auto add = [&](float gap) { return must_add(world, box(crumb, 0.02f, {x, floor + 0.01f + gap, 0.0f})); };
+        const BodyId below = add(0.001f);
+        crumbs.emplace_back(below, add(0.2f));
+    }
     run(world, 2.0f);
     for (size_t i = 0; i < crumbs.size(); ++i) {
         CAPTURE(i);
-        CHECK(std::abs(world.pose(crumbs[i]).position.y - (i < 2 ? 0.01f : 0.11f)) < 2e-3f);
+        const glm::vec3 below = world.pose(crumbs[i].first).position, above = world.pose(crumbs[i].second).position;
+        CHECK(world.debris(crumbs[i].first));
+        CHECK(std::abs(std::min(below.y, above.y) - (i == 0 ? 0.01f : 0.11f)) < 2e-3f);
+        CHECK(glm::length(above - below) > 0.018f);
     }
-    // In a world without debris they lie on each other.
+    // In a world without debris, too.
     settings.debris_size = 0.0f;
     World solid(settings);
     for (const float y : {0.011f, 0.033f}) must_add(solid, box(crumb, 0.02f, {0.0f, y, 0.0f}));

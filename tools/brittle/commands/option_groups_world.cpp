@@ -85,9 +85,8 @@ void add_air_and_crowd_options(CLI::App& command, WorldOptions& world) {
     auto* max_colliding =
         command
             .add_option("--max-colliding", world.max_colliding,
-                        "Maximum number of awake pieces that collide with each other. Further pieces that break off "
-                        "collide only with the ground, fixed pieces, balls and pieces at least twice as long, and may "
-                        "overlap each other. The limit keeps frames short; 0 removes it.")
+                        "Maximum number of awake pieces that collide as hulls. Further pieces that break off touch "
+                        "pieces of their size as ellipsoids. The limit keeps frames short; 0 removes it.")
             ->check(number_from(0, 1'000'000))
             ->capture_default_str();
     // The former name of --max-colliding. The empty group hides it from the help.

@@ -73,7 +73,7 @@ struct WorldOptions {
     bool anchored = false;    // parts that stand on the ground are fixed; bonded, unless breakable
     double height = 0.5;      // m, initial height of the mesh above the ground; ignored if anchored
     double air_density = 1.2; // kg/m^3; 0 is a vacuum, 1000 is water, but nothing floats
-    // Limit on awake bodies that collide with each other; further pieces that break off are debris; 0: none.
+    // Limit on awake bodies that are no debris; further pieces that break off are debris; 0: none.
     uint32_t max_colliding = 500;
     // Strength of bonds and pieces, as a multiple of the material's; 0.075 is stone laid in weak mortar.
     double strength = 1.0;

@@ -31,7 +31,6 @@ physics::BodyId Simulation::add_ball(const glm::dvec3& at, const glm::dvec3& vel
     const auto inertia = static_cast<float>(0.4 * mass * radius * radius);
     balls_.push_back(
         {must(world_.add_body({.hull = physics::collision_hull(ball.positions, glm::dvec3(0.0), {.max_vertices = 64}),
-                               .large = true,
                                .mass = static_cast<float>(mass),
                                .inertia = glm::mat3(inertia),
                                .pose = {.position = glm::vec3(at)},
