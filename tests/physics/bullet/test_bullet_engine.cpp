@@ -466,7 +466,7 @@ TEST_CASE("bullet: rewind() returns a body to the start of the step, and move_on
     }
 }
 
-TEST_CASE("bullet: debris collides with the ground and with larger bodies, but not with debris") {
+TEST_CASE("bullet: debris collides with the ground and with larger bodies, and with debris on the solver only") {
     for (const EngineKind engine : both) {
         CAPTURE(name(engine));
         World world(on(engine));
@@ -479,7 +479,10 @@ TEST_CASE("bullet: debris collides with the ground and with larger bodies, but n
         CHECK(world.awake_count() == 4);
         CHECK(world.colliding_count() == 1);
         CHECK(settle(world, 5.0f) < 5.0f);
-        CHECK(world.pose(above).position.y == doctest::Approx(block_half).epsilon(0.04).scale(0.0));
+        if (engine == EngineKind::bullet)
+            CHECK(world.pose(above).position.y == doctest::Approx(block_half).epsilon(0.04).scale(0.0));
+        else
+            CHECK(glm::length(world.pose(above).position - world.pose(below).position) > 2.0f * block_half);
         CHECK(world.pose(on_table).position.y == doctest::Approx(0.2f + block_half).epsilon(0.02).scale(0.0));
     }
 }
