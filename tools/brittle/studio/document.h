@@ -91,9 +91,9 @@ struct SetRecipe {
     FractureOptions recipe;
 };
 
-using Edit = std::variant<SetMesh, SetUnite, SetMaterial, SetPattern, SetWorld, SetSites, AddSite, MoveSites, RemoveSites,
-                          SetSiteWeight, SetSiteGroup, DuplicateSites, MirrorSites, AddAnchor, RemoveAnchors, AddStrike,
-                          ClearStrikes, SetRecipe>;
+using Edit = std::variant<SetMesh, SetUnite, SetMaterial, SetPattern, SetWorld, SetSites, AddSite, MoveSites,
+                          RemoveSites, SetSiteWeight, SetSiteGroup, DuplicateSites, MirrorSites, AddAnchor,
+                          RemoveAnchors, AddStrike, ClearStrikes, SetRecipe>;
 
 // Returns the name of an edit for menus and messages, e.g. "move sites".
 [[nodiscard]] std::string_view name_of(const Edit& edit);
