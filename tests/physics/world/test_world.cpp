@@ -614,7 +614,8 @@ TEST_CASE("world: small bodies are debris, and lie on each other, larger bodies,
     must_add(world, box({0.2f, 0.05f, 0.2f}, 10.0f, {4.0f, 0.05f, 0.0f}));
     const glm::vec3 crumb(0.01f);
     std::vector<std::pair<BodyId, BodyId>> crumbs;
-    for (const auto& [x, floor] : {std::pair(0.0f, 0.0f), std::pair(2.0f, 0.1f), std::pair(4.0f, 0.1f)}) {
+    for (const auto& place : {std::pair(0.0f, 0.0f), std::pair(2.0f, 0.1f), std::pair(4.0f, 0.1f)}) {
+        const float x = place.first, floor = place.second;
         const auto add = [&](float gap) { return must_add(world, box(crumb, 0.02f, {x, floor + 0.01f + gap, 0.0f})); };
         const BodyId below = add(0.001f);
         crumbs.emplace_back(below, add(0.2f));
