@@ -20,19 +20,6 @@ namespace {
 constexpr uint32_t sampled_points = 24;
 constexpr double clear = 1e-4; // from an integer: a winding number that is further off is of a point at the surface
 
-// After Van Oosterom and Strackee, "The solid angle of a plane triangle" (1983).
-double winding(const TriangleMesh& mesh, const glm::dvec3& point) {
-    double sum = 0.0;
-    for (const Triangle& t : mesh.triangles) {
-        const glm::dvec3 a = mesh.positions[t.x] - point, b = mesh.positions[t.y] - point,
-                         c = mesh.positions[t.z] - point;
-        const double la = glm::length(a), lb = glm::length(b), lc = glm::length(c);
-        sum += std::atan2(glm::dot(a, glm::cross(b, c)),
-                          la * lb * lc + glm::dot(a, b) * lc + glm::dot(b, c) * la + glm::dot(c, a) * lb);
-    }
-    return sum / (2.0 * std::numbers::pi);
-}
-
 bool is_closed(const TriangleMesh& mesh) {
     for (const Triangle& t : mesh.triangles)
         if (std::max({t.x, t.y, t.z}) >= mesh.positions.size()) return false;
@@ -43,6 +30,18 @@ bool is_closed(const TriangleMesh& mesh) {
 }
 
 } // namespace
+
+double winding_number(const TriangleMesh& mesh, const glm::dvec3& point) {
+    double sum = 0.0;
+    for (const Triangle& t : mesh.triangles) {
+        const glm::dvec3 a = mesh.positions[t.x] - point, b = mesh.positions[t.y] - point,
+                         c = mesh.positions[t.z] - point;
+        const double la = glm::length(a), lb = glm::length(b), lc = glm::length(c);
+        sum += std::atan2(glm::dot(a, glm::cross(b, c)),
+                          la * lb * lc + glm::dot(a, b) * lc + glm::dot(b, c) * la + glm::dot(c, a) * lb);
+    }
+    return sum / (2.0 * std::numbers::pi);
+}
 
 std::string union_complaint(const Case& c) {
     if (!is_closed(c.mesh)) return {};
@@ -59,7 +58,7 @@ std::string union_complaint(const Case& c) {
     Random random(c.mesh.triangles.size());
     for (uint32_t k = 0; k < sampled_points; ++k) {
         const glm::dvec3 p = random.uniform_in(bounds(c.mesh));
-        const double before = winding(c.mesh, p), after = winding(united.mesh, p);
+        const double before = winding_number(c.mesh, p), after = winding_number(united.mesh, p);
         if (std::abs(before - std::round(before)) > clear || std::abs(after - std::round(after)) > clear) continue;
         if (std::lround(after) == (std::lround(before) > 0 ? 1 : 0)) continue;
         char text[200];

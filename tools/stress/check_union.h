@@ -15,4 +15,8 @@ namespace brittle::stress {
 //  - Another number of threads gives equal bits.
 [[nodiscard]] std::string union_complaint(const Case& c);
 
+// Returns the winding number of the surface around a point: the sum of the solid angles of its triangles over 4 pi (Van
+// Oosterom and Strackee, "The solid angle of a plane triangle", 1983). An integer up to rounding, except at the surface.
+[[nodiscard]] double winding_number(const fracture::TriangleMesh& mesh, const glm::dvec3& point);
+
 } // namespace brittle::stress

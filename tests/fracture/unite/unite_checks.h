@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <tuple>
 #include <vector>
 
@@ -16,6 +15,7 @@
 #include "fracture/mesh/topology.h"
 #include "fracture/unite/unite.h"
 #include "tests/fracture/mesh_checks.h"
+#include "tools/stress/check_union.h"
 
 namespace brittle::fracture::test {
 
@@ -37,20 +37,6 @@ inline TriangleMesh box_mesh(const glm::dvec3& low, const glm::dvec3& high) {
 
 inline void turn_inside_out(TriangleMesh& mesh) {
     for (Triangle& t : mesh.triangles) std::swap(t.y, t.z);
-}
-
-// The winding number of the surface around a point: the sum of the solid angles of its triangles over 4 pi (Van Oosterom
-// and Strackee, "The solid angle of a plane triangle", 1983). A point on the surface has none.
-inline double winding(const TriangleMesh& mesh, const glm::dvec3& point) {
-    double sum = 0.0;
-    for (const Triangle& t : mesh.triangles) {
-        const glm::dvec3 a = mesh.positions[t.x] - point, b = mesh.positions[t.y] - point,
-                         c = mesh.positions[t.z] - point;
-        const double la = glm::length(a), lb = glm::length(b), lc = glm::length(c);
-        sum += std::atan2(glm::dot(a, glm::cross(b, c)),
-                          la * lb * lc + glm::dot(a, b) * lc + glm::dot(b, c) * la + glm::dot(c, a) * lb);
-    }
-    return sum / (2.0 * std::numbers::pi);
 }
 
 // The mesh in which vertices at one position are one.
@@ -119,7 +105,7 @@ inline United check_union(const TriangleMesh& mesh) {
 // Checks that a point is inside the union where the surface winds around it at least once.
 inline void check_points(const TriangleMesh& mesh, const TriangleMesh& united, const std::vector<glm::dvec3>& points) {
     for (const glm::dvec3& p : points) {
-        const double around = winding(mesh, p), in_union = winding(united, p);
+        const double around = stress::winding_number(mesh, p), in_union = stress::winding_number(united, p);
         CAPTURE(p.x);
         CAPTURE(p.y);
         CAPTURE(p.z);
