@@ -3,7 +3,7 @@
 //
 // It differs from World's manual where stock Bullet lacks a feature:
 // - No air drag. Debris (WorldSettings::debris_size, BodyDesc::debris) does not collide with other debris, but with all
-//   other bodies of any size; partner_size_factor() is not applied.
+//   other bodies of any size.
 // - Bullet finds one contact point of a pair in a step and accumulates more over time; contacts() lists them. It drops
 //   points that slide by a fiftieth of the body's radius in a step: a flat body that slides fast sinks into the ground
 //   until it slows. Bullet's swept spheres stop fast bodies at fixed ones. Sleeping depends on speed and time alone.
