@@ -22,8 +22,9 @@ using arrangement::Arrangement;
 using arrangement::Facet;
 
 // The rounding of new vertices can make triangles cross that are nearly in one plane. Another round unites these; hardly
-// any mesh needs more than two. Where faces are a few last bits from one plane, rounding goes on for ever; later rounds
-// move the vertices of the triangles in question to a grid, which becomes coarser, until the faces are in one plane.
+// any mesh needs more than two. Where faces are nearly in one plane, rounding may go on for ever, and cut more triangles
+// from round to round. Later rounds therefore begin with the mesh that needed the fewest cuts, and move the vertices of
+// the triangles in question to a grid, which becomes coarser, until nothing crosses.
 constexpr uint32_t max_rounds = 16;
 constexpr uint32_t exact_rounds = 3;
 constexpr int first_grid = -50; // exponent, relative to that of the largest coordinate
@@ -186,46 +187,66 @@ struct Divided {
     std::vector<Facet> facets;
 };
 
-} // namespace
+// What a round begins with.
+struct State {
+    TriangleMesh mesh;
+    std::vector<uint32_t> source;
+    std::vector<uint8_t> is_fresh;
+};
 
-United unite(const TriangleMesh& mesh, uint32_t thread_count) {
+United unite_in_rounds(const TriangleMesh& mesh, uint32_t rounds, uint32_t thread_count) {
     Threads threads(thread_count);
-    United united{mesh, {}, {}};
-    united.source_triangle.resize(mesh.triangles.size());
-    std::iota(united.source_triangle.begin(), united.source_triangle.end(), 0u);
-    UniteReport& report = united.report;
+    State state{mesh, std::vector<uint32_t>(mesh.triangles.size()), std::vector<uint8_t>(mesh.triangles.size(), 1)};
+    std::iota(state.source.begin(), state.source.end(), 0u);
+    State best;
+    size_t fewest_cuts = SIZE_MAX;
+    UniteReport report;
     report.volume_before = report.volume_after = signed_volume(mesh.positions, mesh.triangles);
     report.complete = false;
-    std::vector<uint8_t> is_fresh(mesh.triangles.size(), 1);
     double grid = std::ldexp(1.0, exponent_of(mesh) + first_grid);
-    for (uint32_t round = 0; round < max_rounds; ++round) {
-        std::optional<Divided> divided(std::in_place, united.mesh, is_fresh, threads);
-        report.complete = round > 0 && divided->all.cuts.empty();
+    for (uint32_t round = 0; round < rounds; ++round) {
+        std::optional<Divided> divided(std::in_place, state.mesh, state.is_fresh, threads);
+        const size_t cuts = divided->all.cuts.size();
+        report.complete = round > 0 && cuts == 0;
         if (report.complete) break;
         divided->find_facets(threads);
         report.complete = std::all_of(divided->facets.begin(), divided->facets.end(), is_clean);
         if (report.complete) break;
         if (round == 0) {
             report.inside_out = inside_out_volume(divided->all, divided->facets);
-            report.cut_triangles = static_cast<uint32_t>(divided->all.cuts.size());
+            report.cut_triangles = static_cast<uint32_t>(cuts);
+        } else if (cuts < fewest_cuts) {
+            best = state;
+            fewest_cuts = cuts;
         }
         if (round >= exact_rounds) {
-            snap(united.mesh, is_fresh, grid);
+            state = best;
+            snap(state.mesh, state.is_fresh, grid);
             grid *= coarser;
-            divided.emplace(united.mesh, is_fresh, threads);
+            divided.emplace(state.mesh, state.is_fresh, threads);
             divided->find_facets(threads);
         }
         Boundary boundary = boundary_of(divided->all, divided->facets);
-        for (uint32_t& source : boundary.source) source = united.source_triangle[source];
-        united.mesh = std::move(boundary.mesh);
-        united.source_triangle = std::move(boundary.source);
-        is_fresh = std::move(boundary.is_fresh);
+        for (uint32_t& source : boundary.source) source = state.source[source];
+        state = {std::move(boundary.mesh), std::move(boundary.source), std::move(boundary.is_fresh)};
         ++report.rounds;
     }
+    if (!report.complete && !best.mesh.triangles.empty()) state = std::move(best);
+    United united{std::move(state.mesh), std::move(state.source), report};
     if (!report.changed()) return united;
-    report.volume_after = signed_volume(united.mesh.positions, united.mesh.triangles);
-    count_changes(mesh, united, report);
+    united.report.volume_after = signed_volume(united.mesh.positions, united.mesh.triangles);
+    count_changes(mesh, united, united.report);
     return united;
+}
+
+} // namespace
+
+United unite(const TriangleMesh& mesh, uint32_t thread_count) {
+    return unite_in_rounds(mesh, max_rounds, thread_count);
+}
+
+UniteReport measure_union(const TriangleMesh& mesh, uint32_t thread_count) {
+    return unite_in_rounds(mesh, 1, thread_count).report;
 }
 
 std::string describe(const UniteReport& report) {

@@ -60,6 +60,10 @@ struct United {
 // crossing ones cost.
 [[nodiscard]] United unite(const TriangleMesh& mesh, uint32_t threads = 0);
 
+// Returns what unite() would change, as its first round tells it: volumes are those of the union up to rounding, and
+// `complete` is false where more rounds could follow. Takes less time than unite().
+[[nodiscard]] UniteReport measure_union(const TriangleMesh& mesh, uint32_t threads = 0);
+
 // A report of a few lines for a reader; empty where nothing changed.
 [[nodiscard]] std::string describe(const UniteReport& report);
 

@@ -30,7 +30,7 @@ using Union = std::optional<fracture::UniteReport>;
 
 Union union_of(const fracture::TriangleMesh& mesh, const fracture::Inspection& inspection) {
     if (!inspection.topology.closed() || mesh.triangles.empty()) return std::nullopt;
-    return fracture::unite(mesh).report;
+    return fracture::measure_union(mesh);
 }
 
 // Null where the pairs of triangles that were tested do not tell.

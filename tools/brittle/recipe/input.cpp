@@ -221,7 +221,7 @@ std::string overlap_text(const fracture::UniteReport& report) {
 
 std::string overlap_of(const fracture::TriangleMesh& mesh) {
     if (!fracture::check_topology(mesh.positions.size(), mesh.triangles).closed()) return {};
-    return overlap_text(fracture::unite(mesh).report);
+    return overlap_text(fracture::measure_union(mesh));
 }
 
 Input load_input(const FractureOptions& options, bool with_looks) {
