@@ -319,7 +319,7 @@ TEST_CASE("unite: pieces whose faces rounding has moved into each other do not m
         TriangleMesh mesh;
         for (const Piece& piece : made->pieces) {
             const glm::vec3 centre(piece.mass.centre_of_mass); // as files hold a place and floats around it
-            TriangleMesh moved{{}, {}};
+            TriangleMesh moved;
             for (const glm::dvec3& p : made->positions_of(piece))
                 moved.positions.push_back(glm::dvec3(centre) + glm::dvec3(glm::vec3(p - glm::dvec3(centre))));
             const auto triangles = made->triangles_of(piece);
