@@ -21,12 +21,14 @@
 #include "fracture/mesh/topology.h"
 #include "fracture/pieces/certificate.h"
 #include "fracture/pieces/merge.h"
+#include "fracture/rough/rough.h"
 #include "fracture/sequential/sequential.h"
 
 namespace brittle::fracture {
 
 struct Workspace::State {
     exact::Scratch exact;
+    rough::RoughCut rough;
     // The sequential algorithm checks its input by the same means.
     exact::Scene scene;
     exact::Surface surface;
@@ -94,6 +96,9 @@ Result<void> check_values(const TriangleMesh& mesh, const Box& box, std::span<co
                          "site " + std::to_string(i) + " has a weight that is not finite; give a finite one"};
     if (!(settings.min_volume >= 0.0) || !std::isfinite(settings.min_volume))
         return bad_min_volume(settings.min_volume);
+    if (Result<void> ok = rough::check(settings.rough); !ok) return ok;
+    if (settings.algorithm != Algorithm::exact && !settings.rough.is_flat())
+        return Error{Status::invalid_setting, "roughness needs the exact algorithm; choose it, or set roughness to 0"};
     if (settings.algorithm != Algorithm::exact && (!settings.groups.empty() || settings.min_volume > 0.0))
         return Error{Status::invalid_setting, "groups and a minimum volume need the exact algorithm; choose it, or "
                                               "leave both out"};
@@ -147,8 +152,8 @@ bool is_ample(const MassProperties& mass, const Box& box, double extent) {
 
 // Merges pieces of one group, pieces below the minimum volume, and pieces without volume, with their neighbours. Where
 // a bisector runs along a face of the solid, symbolic perturbation may leave a sheet of zero thickness in the cell
-// across.
-void merge(const Settings& settings, const Box& box, Fragments& fragments) {
+// across. `small` as in MergeRules.
+void merge(const Settings& settings, const Box& box, std::span<const uint8_t> small, Fragments& fragments) {
     const double extent = extent_of(box);
     std::vector<uint8_t> flat;
     for (size_t p = 0; p < fragments.pieces.size(); ++p) {
@@ -160,11 +165,11 @@ void merge(const Settings& settings, const Box& box, Fragments& fragments) {
         flat.resize(fragments.pieces.size(), 0);
         flat[p] = 1;
     }
-    if (flat.empty() && settings.groups.empty() && settings.min_volume <= 0.0) return;
+    if (flat.empty() && small.empty() && settings.groups.empty() && settings.min_volume <= 0.0) return;
     const auto start = std::chrono::steady_clock::now();
     Threads threads(settings.threads);
     threads.cancel_by(settings.cancelled);
-    merge_pieces(fragments, choose_mergers(fragments, {settings.groups, settings.min_volume, flat}), threads);
+    merge_pieces(fragments, choose_mergers(fragments, {settings.groups, settings.min_volume, flat, small}), threads);
     const std::chrono::duration<double, std::milli> elapsed = std::chrono::steady_clock::now() - start;
     fragments.timings.push_back({"merge", elapsed.count()});
 }
@@ -239,8 +244,39 @@ void number_points(std::span<const glm::dvec3> vertices, Fragments& fragments) {
             })->second);
 }
 
+// Cuts a rough solid: the mesh may be the input with its fans split.
+Result<void> run_rough(const TriangleMesh& mesh, std::span<const glm::dvec3> sites, const Settings& settings,
+                       Workspace::State& state, Fragments& out) {
+    state.rough.start(mesh, sites, settings);
+    do {
+        if (Result<void> done = state.rough.cut(mesh, sites, settings, state.exact, out); !done) return done;
+        merge(settings, bounds(mesh), state.rough.weigh(out), out);
+        state.rough.restore(mesh, sites.size(), out);
+    } while (state.rough.calm(out));
+    return {};
+}
+
+Result<void> run_rough(const TriangleMesh& mesh, const Box& box, std::span<const glm::dvec3> sites,
+                       const Settings& settings, Workspace::State& state, Fragments& out) {
+    try {
+        Result<void> done = run_rough(mesh, sites, settings, state, out);
+        if (!done && only_touches(mesh, done.error())) {
+            const TriangleMesh split = split_fans(mesh);
+            done = run_rough(split, sites, settings, state, out);
+            if (done) restore_vertex_indices(mesh, split, out);
+        }
+        if (!done) return done;
+    } catch (const Threads::Cancelled&) {
+        return Error{Status::cancelled, "the fracture was cancelled"};
+    }
+    if (Result<void> checked = check_volume(mesh, box); !checked) return checked;
+    return check_pieces(out, signed_volume(mesh.positions, mesh.triangles));
+}
+
 Result<void> run_exact(const TriangleMesh& mesh, const Box& box, std::span<const glm::dvec3> sites,
                        const Settings& settings, Workspace::State& state, Fragments& out) {
+    if (!settings.rough.is_flat()) return run_rough(mesh, box, sites, settings, state, out);
+    out.crossings = 0;
     Result<void> done = exact::fracture_exact(mesh, sites, settings, state.exact, out);
     if (!done && only_touches(mesh, done.error())) {
         const TriangleMesh split = split_fans(mesh);
@@ -256,7 +292,7 @@ Result<void> run_exact(const TriangleMesh& mesh, const Box& box, std::span<const
         volume = signed_volume(mesh.positions, mesh.triangles);
     }
     try {
-        merge(settings, box, out);
+        merge(settings, box, {}, out);
     } catch (const Threads::Cancelled&) {
         return Error{Status::cancelled, "the fracture was cancelled"};
     }

@@ -1,9 +1,12 @@
-// Settings of fracture(): algorithm, threads, groups and weights of sites, callbacks. The defaults suit most meshes.
+// Settings of fracture(): algorithm, threads, roughness, groups and weights of sites, callbacks. The defaults suit most
+// meshes.
 #pragma once
 
 #include <cstdint>
 #include <functional>
 #include <vector>
+
+#include <glm/vec3.hpp>
 
 namespace brittle::fracture {
 
@@ -26,6 +29,24 @@ enum class Algorithm {
     return "unknown";
 }
 
+// Cuts that are not flat (rough/rough.h). Both sides of a cut agree bit for bit, its border on the surface wanders too,
+// and the volumes of the pieces still add up.
+struct Roughness {
+    double amount = 0.0;     // from 0, flat cuts, to 1
+    double wavelength = 0.0; // the largest, m; 0 means the typical distance of adjacent sites
+    // Stretches the noise along this direction by the factor |grain|, from 1/16 to 16: above 1 for splinters along the
+    // grain of wood, below 1 for the layers of slate. 0 means no direction.
+    glm::dvec3 grain{0.0};
+    // Octaves of noise, 1 to 6, each with half the wavelength of the one before. An octave more makes four times as
+    // many triangles of a cut.
+    uint32_t detail = 1;
+    uint64_t seed = 1;
+    // A bound of the triangles that roughness adds, as estimated before the cut: octaves are left out until it holds.
+    uint64_t max_triangles = 4'000'000;
+
+    [[nodiscard]] bool is_flat() const { return amount == 0.0; }
+};
+
 struct Settings {
     Algorithm algorithm = Algorithm::exact;
     uint32_t threads = 0; // cells are processed in parallel; 0 means one thread per core
@@ -40,6 +61,8 @@ struct Settings {
     // neighbour with the largest contact area, until every piece below the minimum is without neighbours.
     // Algorithm::exact only.
     double min_volume = 0.0;
+    // Cuts that are not flat. Algorithm::exact only.
+    Roughness rough{};
     // Classifies vertices and triangles ahead of the exact predicates, for example on a GPU (classifier.h); null for
     // none. The pieces do not depend on it. Must outlive the call. Algorithm::exact only, and only without weights.
     Classifier* classifier = nullptr;

@@ -69,31 +69,73 @@ uint32_t BondFinder::find_piece(uint32_t site, uint32_t point) const {
     return (*at)[2];
 }
 
+// Calls measure(a, b, triangle) for each cap triangle of piece a, once for both sides; b is the piece on the other side.
+template<class Measure>
+void BondFinder::visit_contacts(const Fragments& fragments, const Measure& measure) {
+    for (uint32_t a = 0; a < fragments.pieces.size(); ++a) {
+        const Piece& piece = fragments.pieces[a];
+        for (uint32_t t = piece.triangles.begin + piece.exterior_triangles; t < piece.triangles.end; ++t) {
+            const uint32_t other = fragments.triangle_source[t];
+            if (other < piece.site) continue; // the other piece counts this cap
+            const uint32_t corner = fragments.triangles[t].x;
+            const uint32_t b = find_piece(other, fragments.vertex_point[piece.vertices.begin + corner]);
+            if (b != no_index) measure(a, b, t);
+        }
+    }
+}
+
 void BondFinder::run(std::span<const glm::dvec3> sites, Fragments& out) {
     out.bonds.clear();
     index_pieces(sites.size(), out);
-    for (uint32_t a = 0; a < out.pieces.size(); ++a) {
+    std::array<uint32_t, 2> between{no_index, no_index}; // the sites of the normal
+    glm::dvec3 normal(0.0);
+    visit_contacts(out, [&](uint32_t a, uint32_t b, uint32_t t) {
         const Piece& piece = out.pieces[a];
-        const auto positions = out.positions_of(piece);
-        uint32_t other = no_index;
-        glm::dvec3 normal(0.0);
-        for (uint32_t t = piece.triangles.begin + piece.exterior_triangles; t < piece.triangles.end; ++t) {
-            if (out.triangle_source[t] < piece.site) continue; // the other piece counts this cap
-            if (out.triangle_source[t] != other) {
-                other = out.triangle_source[t];
-                normal = glm::normalize(sites[other] - sites[piece.site]);
-            }
-            const Triangle& corners = out.triangles[t];
-            const uint32_t b = find_piece(other, out.vertex_point[piece.vertices.begin + corners.x]);
-            if (b == no_index) continue;
-            const glm::dvec3 &p = positions[corners.x], &q = positions[corners.y], &r = positions[corners.z];
-            const double area = 0.5 * glm::dot(glm::cross(q - p, r - p), normal);
-            add(out.bonds, a, b, area, area / 3.0 * (p + q + r), normal);
+        const uint32_t other = out.triangle_source[t];
+        if (between != std::array{piece.site, other}) {
+            between = {piece.site, other};
+            normal = glm::normalize(sites[other] - sites[piece.site]);
         }
-    }
+        const auto positions = out.positions_of(piece);
+        const Triangle& corners = out.triangles[t];
+        const glm::dvec3 &p = positions[corners.x], &q = positions[corners.y], &r = positions[corners.z];
+        const double area = 0.5 * glm::dot(glm::cross(q - p, r - p), normal);
+        add(out.bonds, a, b, area, area / 3.0 * (p + q + r), normal);
+    });
     merge_equal(out.bonds);
     std::erase_if(out.bonds, [](const Bond& bond) { return !(bond.area > 0.0); });
     for (Bond& bond : out.bonds) bond.centroid /= bond.area;
+}
+
+void BondFinder::run_bent(size_t sites, Fragments& out) {
+    out.bonds.clear();
+    index_pieces(sites, out);
+    visit_contacts(out, [&](uint32_t a, uint32_t b, uint32_t t) {
+        const auto positions = out.positions_of(out.pieces[a]);
+        const Triangle& corners = out.triangles[t];
+        const glm::dvec3 &p = positions[corners.x], &q = positions[corners.y], &r = positions[corners.z];
+        const glm::dvec3 half = 0.5 * glm::cross(q - p, r - p);
+        const double area = glm::length(half);
+        out.bonds.push_back({std::min(a, b), std::max(a, b), area, area / 3.0 * (p + q + r), a < b ? half : -half});
+    });
+    std::stable_sort(out.bonds.begin(), out.bonds.end(),
+                     [](const Bond& x, const Bond& y) { return std::tie(x.a, x.b) < std::tie(y.a, y.b); });
+    size_t kept = 0;
+    for (const Bond& bond : out.bonds) {
+        if (kept == 0 || out.bonds[kept - 1].a != bond.a || out.bonds[kept - 1].b != bond.b) {
+            out.bonds[kept++] = bond;
+            continue;
+        }
+        out.bonds[kept - 1].area += bond.area;
+        out.bonds[kept - 1].centroid += bond.centroid;
+        out.bonds[kept - 1].normal += bond.normal;
+    }
+    out.bonds.resize(kept);
+    std::erase_if(out.bonds, [](const Bond& bond) { return !(bond.area > 0.0) || bond.normal == glm::dvec3(0.0); });
+    for (Bond& bond : out.bonds) {
+        bond.centroid /= bond.area;
+        bond.normal = glm::normalize(bond.normal);
+    }
 }
 
 } // namespace brittle::fracture::exact

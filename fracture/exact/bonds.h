@@ -19,7 +19,13 @@ class BondFinder {
     // without area make none.
     void run(std::span<const glm::dvec3> sites, Fragments& out);
 
+    // The same for caps that are not flat: the area is that of the contact, the normal the mean over it.
+    void run_bent(size_t sites, Fragments& out);
+
   private:
+    template<class Measure>
+    void visit_contacts(const Fragments& fragments, const Measure& measure);
+
     using Entry = std::array<uint32_t, 3>; // site, point, piece
     void index_pieces(size_t sites, const Fragments& fragments);
     // The piece of a site that contains a corner of a cut; no_index where the site has none.

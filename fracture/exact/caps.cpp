@@ -4,6 +4,8 @@
 #include <cassert>
 #include <cmath>
 
+#include <glm/geometric.hpp>
+
 namespace brittle::fracture::exact {
 
 namespace {
@@ -15,7 +17,16 @@ struct Stop {
     VertexId pierce;     // none at a Voronoi vertex
     uint32_t vertex = 0; // of the diagram
     int32_t before = 0, after = 0;
+    uint32_t interval = 0;  // of the Voronoi edge, between the stop before and this one (edge_nodes.h)
+    bool along_edge = true; // the walk follows the direction of the Voronoi edge there
 };
+
+// The axis that is furthest from a direction.
+glm::dvec3 other_axis(const glm::dvec3& direction) {
+    const glm::dvec3 size = glm::abs(direction);
+    if (size.x <= size.y && size.x <= size.z) return {1.0, 0.0, 0.0};
+    return size.y <= size.z ? glm::dvec3(0.0, 1.0, 0.0) : glm::dvec3(0.0, 0.0, 1.0);
+}
 
 bool even(uint32_t a, uint32_t b, uint32_t c) {
     return (a < b && b < c) || (b < c && c < a) || (c < a && a < b);
@@ -44,6 +55,9 @@ class Capper::Worker {
         const Scene& scene;
         const VoronoiDiagram& diagram;
         const Winding& winding;
+        const EdgeNodes& edge_nodes;
+        double spacing; // of points inside a facet, 0 for none
+        std::span<const InteriorPoints::Normals> edge_normals, pierce_normals;
         const Cut& cut;
         std::span<uint8_t> visited;
     };
@@ -60,12 +74,13 @@ class Capper::Worker {
   private:
     bool walk_around(const Context& context, const VoronoiDiagram::Facet& facet);
     void find_strands(const Context& context, int32_t sheet);
+    void add_edge_nodes(const Context& context, const Stop& stop, int32_t sheet);
     void trace_strands(const Context& context, const VoronoiDiagram::Facet& facet, CapChunk& out);
     void trace_chains(const Context& context, std::span<const uint32_t> edge_points, CapChunk& out);
     bool follow_chain(const Context& context, const VoronoiDiagram::Facet& facet, VertexId& at, CapChunk& out);
     void begin_loop(const CapChunk& out) { loop_begin_ = out.corners.size(); }
     void end_loop(CapChunk& out);
-    void triangulate_loops(const Context& context, const VoronoiDiagram::Facet& facet, const Cap& cap, CapChunk& out);
+    void triangulate_loops(const Context& context, const VoronoiDiagram::Facet& facet, Cap& cap, CapChunk& out);
 
     void find_sides(const Context& context, const VoronoiDiagram::Facet& facet, const Cap& cap, const CapChunk& out);
     void split_diagonals_along_sides(const Context& context, Cap& cap, CapChunk& out);
@@ -94,6 +109,9 @@ class Capper::Worker {
     std::vector<Loop> loops_; // the first loop_count_ belong to the current cap
     std::vector<glm::dvec2> flat_;
     Triangulator triangulator_;
+    InteriorPoints interior_points_;
+    std::vector<InteriorPoints::Normals> normals_;
+    std::vector<Triangle> divided_;
 };
 
 Capper::Capper() = default;
@@ -107,18 +125,29 @@ bool Capper::Worker::walk_around(const Context& context, const VoronoiDiagram::F
     for (const VoronoiDiagram::Corner& corner : ring) {
         const auto pierces = context.winding.pierces_of(corner.edge);
         const bool along = even(facet.i, facet.j, corner.third);
+        const uint32_t first = EdgeNodes::first_interval(context.winding, corner.edge);
+        const auto interval = [&](size_t k) { return first + static_cast<uint32_t>(along ? k : pierces.size() - k); };
         for (size_t k = 0; k < pierces.size(); ++k) {
             const uint32_t p = along ? pierces[k] : pierces[pierces.size() - 1 - k];
             const int32_t change = (context.cut.pierce_points[p].leaves != 0) == along ? -1 : 1;
-            stops_.push_back({{VertexId::pierce, p}, 0, w, w + change});
+            stops_.push_back({{VertexId::pierce, p}, 0, w, w + change, interval(k), along});
             w += change;
             any = true;
         }
-        stops_.push_back({VertexId{}, corner.vertex, w, w});
+        stops_.push_back({VertexId{}, corner.vertex, w, w, interval(pierces.size()), along});
         if (w != context.winding.of_vertex[corner.vertex]) closed = false;
         any = any || w != 0;
     }
     return any;
+}
+
+// Adds the nodes of a sheet between the stop before and this one.
+void Capper::Worker::add_edge_nodes(const Context& context, const Stop& stop, int32_t sheet) {
+    const uint32_t count = context.edge_nodes.count(stop.interval);
+    if (count == 0) return;
+    const uint32_t first = context.edge_nodes.first(stop.interval, sheet);
+    for (uint32_t k = 0; k < count; ++k)
+        strand_corners_.push_back({VertexId::node, stop.along_edge ? first + k : first + count - 1 - k});
 }
 
 void Capper::Worker::find_strands(const Context& context, int32_t sheet) {
@@ -130,9 +159,9 @@ void Capper::Worker::find_strands(const Context& context, int32_t sheet) {
     if (first == n) { // the sheet is absent, or covers the whole facet, whose sides are a loop then
         if (!has(stops_[0].before)) return;
         for (const Stop& stop : stops_) {
-            if (stop.pierce.is_none()) {
+            add_edge_nodes(context, stop, sheet);
+            if (stop.pierce.is_none())
                 strand_corners_.push_back({VertexId::node, context.winding.node(stop.vertex, sheet)});
-            }
         }
         if (sheet <= 0) std::reverse(strand_corners_.begin() + begin, strand_corners_.end());
         strands_.push_back({begin, static_cast<uint32_t>(strand_corners_.size()), false});
@@ -142,6 +171,7 @@ void Capper::Worker::find_strands(const Context& context, int32_t sheet) {
     for (size_t k = 0; k < n; ++k) {
         const Stop& stop = stops_[(first + k) % n];
         const bool before = has(stop.before), after = has(stop.after);
+        if (before) add_edge_nodes(context, stop, sheet);
         if (stop.pierce.is_none()) {
             if (after) strand_corners_.push_back({VertexId::node, context.winding.node(stop.vertex, sheet)});
         } else if (before != after) {
@@ -231,17 +261,43 @@ void Capper::Worker::end_loop(CapChunk& out) {
     for (size_t k = 0; k < n; ++k) loop[k] = static_cast<uint32_t>(loop_begin_ - cap_begin_ + k);
 }
 
-void Capper::Worker::triangulate_loops(const Context& context, const VoronoiDiagram::Facet& facet, const Cap& cap,
+void Capper::Worker::triangulate_loops(const Context& context, const VoronoiDiagram::Facet& facet, Cap& cap,
                                        CapChunk& out) {
     const glm::dvec3& site = context.scene.sites[facet.i];
     const glm::dvec3 normal = context.scene.sites[facet.j] - site;
+    const auto loops = std::span(loops_).first(loop_count_);
     flat_.clear();
-    for (uint32_t k = cap.corners_begin; k < cap.corners_end; ++k) {
-        flat_.push_back(project(cap_position(context.cut, out.corners[k]), normal));
+    if (!(context.spacing > 0.0)) {
+        for (uint32_t k = cap.corners_begin; k < cap.corners_end; ++k)
+            flat_.push_back(project(cap_position(context.cut, out.corners[k]), normal));
+        const Triangulation& done = triangulator_.run_simple(flat_, loops);
+        forced_ears += done.forced_ears;
+        out.triangles.insert(out.triangles.end(), done.triangles.begin(), done.triangles.end());
+        return;
     }
-    const Triangulation& done = triangulator_.run_simple(flat_, std::span(loops_).first(loop_count_));
+    // Lengths in the plane are true here, so that points can be placed at equal distances.
+    const glm::dvec3 z = glm::normalize(normal), x = glm::normalize(glm::cross(other_axis(z), z)), y = glm::cross(z, x);
+    const glm::dvec3 origin = cap_position(context.cut, out.corners[cap.corners_begin]);
+    for (uint32_t k = cap.corners_begin; k < cap.corners_end; ++k) {
+        const glm::dvec3 p = cap_position(context.cut, out.corners[k]) - origin;
+        flat_.push_back({glm::dot(p, x), glm::dot(p, y)});
+    }
+    const Triangulation& done = triangulator_.run_simple(flat_, loops);
     forced_ears += done.forced_ears;
-    out.triangles.insert(out.triangles.end(), done.triangles.begin(), done.triangles.end());
+    divided_.assign(done.triangles.begin(), done.triangles.end());
+    if (done.forced_ears == 0) {
+        const size_t border = flat_.size();
+        normals_.assign(border, {});
+        for (size_t k = 0; k < border; ++k) {
+            const VertexId id = out.corners[cap.corners_begin + k];
+            if (id.kind() == VertexId::edge) normals_[k] = context.edge_normals[id.index()];
+            if (id.kind() == VertexId::pierce) normals_[k] = context.pierce_normals[id.index()];
+        }
+        interior_points_.run(loops, context.spacing, normals_, flat_, divided_);
+        for (size_t k = border; k < flat_.size(); ++k)
+            add_node(context, origin + flat_[k].x * x + flat_[k].y * y, cap, out);
+    }
+    out.triangles.insert(out.triangles.end(), divided_.begin(), divided_.end());
 }
 
 void Capper::Worker::find_sides(const Context& context, const VoronoiDiagram::Facet& facet, const Cap& cap,
@@ -252,6 +308,14 @@ void Capper::Worker::find_sides(const Context& context, const VoronoiDiagram::Fa
         const VertexId id = out.corners[cap.corners_begin + k];
         if (id.kind() == VertexId::pierce) {
             sides_[k][0] = context.cut.pierce_points[id.index()].voronoi_edge;
+        } else if (id.kind() == VertexId::node && id.index() >= context.winding.first_node.back()) {
+            // A node on a Voronoi edge, or one inside the facet, which no side contains.
+            const bool on_edge = id.index() < context.cut.nodes.size();
+            if (!on_edge) continue;
+            const auto& cells = context.cut.nodes[id.index()].cells;
+            for (const VoronoiDiagram::Corner& corner : ring)
+                for (const uint32_t c : cells)
+                    if (c != facet.i && c != facet.j && c == corner.third) sides_[k][0] = corner.edge;
         } else if (id.kind() == VertexId::node) {
             for (size_t m = 0; m < ring.size(); ++m) {
                 const uint32_t first = context.winding.first_node[ring[m].vertex];
@@ -390,6 +454,28 @@ void Capper::group_by_facet(const VoronoiDiagram& diagram, const Cut& cut) {
     visited_.assign(cut.edge_points.size(), 0);
 }
 
+// Finds the normals, after the bend, of the surface at each point of the border of a cap.
+void Capper::find_normals(std::span<const Triangle> triangles, const CapLattice& lattice, const Cut& cut) {
+    edge_normals_.assign(cut.edge_points.size(), {});
+    pierce_normals_.assign(cut.pierce_points.size(), {});
+    const auto normal = [&](uint32_t triangle) {
+        const Triangle& t = triangles[triangle];
+        const glm::dvec3& a = lattice.places[t.x];
+        const glm::dvec3 n = glm::cross(lattice.places[t.y] - a, lattice.places[t.z] - a);
+        const double length = glm::length(n);
+        return length > 0.0 ? n / length : glm::dvec3(0.0);
+    };
+    for (const CrossingTriangle& crossing : cut.crossing) {
+        const glm::dvec3 n = normal(crossing.triangle);
+        for (int k = 0; k < 3; ++k) {
+            const bool rising = triangles[crossing.triangle][k] < triangles[crossing.triangle][(k + 1) % 3];
+            for (uint32_t p = crossing.first[k]; p < crossing.first[k] + crossing.count[k]; ++p)
+                edge_normals_[p][rising ? 0 : 1] = n;
+        }
+    }
+    for (size_t p = 0; p < cut.pierce_points.size(); ++p) pierce_normals_[p][0] = normal(cut.pierce_points[p].triangle);
+}
+
 // Makes the ids of added nodes unique: every worker numbered its nodes from the same first id.
 void Capper::number_added_nodes(const VoronoiDiagram& diagram, Cut& cut) {
     const auto first = static_cast<uint32_t>(cut.nodes.size());
@@ -407,14 +493,18 @@ void Capper::number_added_nodes(const VoronoiDiagram& diagram, Cut& cut) {
     }
 }
 
-bool Capper::run(const Scene& scene, const VoronoiDiagram& diagram, const Winding& winding, Cut& cut,
-                 Threads& threads) {
+bool Capper::run(const Scene& scene, const VoronoiDiagram& diagram, const Winding& winding,
+                 std::span<const Triangle> triangles, const CapLattice& lattice, Cut& cut, Threads& threads) {
+    const double spacing = lattice.spacing * scene.to_scene;
+    edge_nodes_.run(diagram, winding, spacing, cut);
+    if (spacing > 0.0) find_normals(triangles, lattice, cut);
     group_by_facet(diagram, cut);
     const auto facets = static_cast<uint32_t>(diagram.facets.size());
     chunk_count_ = threads.chunks(facets, min_facets_per_chunk);
     if (chunks_.size() < chunk_count_) chunks_.resize(chunk_count_);
     if (workers_.size() < chunk_count_) workers_.resize(chunk_count_);
-    const Worker::Context context{scene, diagram, winding, cut, visited_};
+    const Worker::Context context{scene,         diagram,         winding, edge_nodes_, spacing,
+                                  edge_normals_, pierce_normals_, cut,     visited_};
     threads.for_chunks(facets, min_facets_per_chunk, [&](uint32_t k, uint32_t begin, uint32_t end) {
         CapChunk& out = chunks_[k];
         out.caps.clear();

@@ -14,8 +14,10 @@
 
 #include "fracture/base/threads.h"
 #include "fracture/exact/cut.h"
+#include "fracture/exact/edge_nodes.h"
 #include "fracture/exact/voronoi.h"
 #include "fracture/exact/winding.h"
+#include "fracture/triangulation/interior_points.h"
 #include "fracture/triangulation/triangulate.h"
 
 namespace brittle::fracture::exact {
@@ -29,6 +31,13 @@ struct Cap {
     uint32_t facet;
     uint32_t corners_begin, corners_end;     // into CapChunk::corners
     uint32_t triangles_begin, triangles_end; // into CapChunk::triangles
+};
+
+// Points on the edges of facets and inside them, for caps that are bent after the cut (rough/rough.h).
+struct CapLattice {
+    double spacing = 0.0; // of the points, m; 0 for none
+    // Where the vertices of the mesh will be after the bend. Caps avoid triangles with all corners in one plane there.
+    std::span<const glm::dvec3> places{};
 };
 
 struct CapChunk {
@@ -50,7 +59,8 @@ class Capper {
   public:
     // Makes the caps of all facets. Runs after TriangleCutter::run() and Winding::compute(), and may append to
     // cut.nodes. Returns false where the loops do not close, which a closed surface rules out.
-    bool run(const Scene& scene, const VoronoiDiagram& diagram, const Winding& winding, Cut& cut, Threads& threads);
+    bool run(const Scene& scene, const VoronoiDiagram& diagram, const Winding& winding,
+             std::span<const Triangle> triangles, const CapLattice& lattice, Cut& cut, Threads& threads);
 
     // In ascending order of facets.
     [[nodiscard]] std::span<const CapChunk> chunks() const { return {chunks_.data(), chunk_count_}; }
@@ -58,12 +68,15 @@ class Capper {
 
   private:
     class Worker;
+    void find_normals(std::span<const Triangle> triangles, const CapLattice& lattice, const Cut& cut);
     void number_added_nodes(const VoronoiDiagram& diagram, Cut& cut);
     void group_by_facet(const VoronoiDiagram& diagram, const Cut& cut);
 
-    std::vector<uint32_t> points_begin_; // per facet, and the end: into points_
-    std::vector<uint32_t> points_;       // the edge points of each facet
-    std::vector<uint8_t> visited_;       // per edge point
+    EdgeNodes edge_nodes_;
+    std::vector<InteriorPoints::Normals> edge_normals_, pierce_normals_; // per edge point, per pierce point
+    std::vector<uint32_t> points_begin_;                                 // per facet, and the end: into points_
+    std::vector<uint32_t> points_;                                       // the edge points of each facet
+    std::vector<uint8_t> visited_;                                       // per edge point
     std::vector<CapChunk> chunks_;
     std::vector<Worker> workers_;
     uint32_t chunk_count_ = 0;

@@ -76,7 +76,7 @@ Error not_closed() {
 
 // The phases. Throws Threads::Cancelled.
 Result<void> run_phases(const TriangleMesh& mesh, std::span<const glm::dvec3> sites, const Settings& settings,
-                        Scratch::State& s, Fragments& out) {
+                        const CapLattice& lattice, Scratch::State& s, Fragments& out) {
     s.statistics = {};
     PredicateStats& stats = s.statistics.predicates;
     PhaseClock clock(settings, s.threads, out);
@@ -112,7 +112,7 @@ Result<void> run_phases(const TriangleMesh& mesh, std::span<const glm::dvec3> si
     s.threads.name_step("winding");
     s.winding.compute(s.scene, s.diagram, mesh.triangles, s.cut, s.threads, stats);
     s.threads.name_step("caps");
-    const bool closed = s.capper.run(s.scene, s.diagram, s.winding, s.cut, s.threads);
+    const bool closed = s.capper.run(s.scene, s.diagram, s.winding, mesh.triangles, lattice, s.cut, s.threads);
     s.statistics.forced_ears = s.capper.forced_ears();
     if (!closed) return not_closed();
     clock.done("caps", 0.75);
@@ -142,8 +142,16 @@ Statistics statistics(const Scratch& scratch) {
     return scratch.state().statistics;
 }
 
+const Cut& cut(const Scratch& scratch) {
+    return scratch.state().cut;
+}
+
+const Scene& scene(const Scratch& scratch) {
+    return scratch.state().scene;
+}
+
 Result<void> fracture_exact(const TriangleMesh& mesh, std::span<const glm::dvec3> sites, const Settings& settings,
-                            Scratch& scratch, Fragments& out) {
+                            Scratch& scratch, Fragments& out, const CapLattice& lattice) {
     Scratch::State& s = scratch.state();
     if (s.requested_threads != settings.threads) {
         s.threads = Threads(settings.threads);
@@ -152,7 +160,7 @@ Result<void> fracture_exact(const TriangleMesh& mesh, std::span<const glm::dvec3
     s.threads.log_to(settings.work_log);
     s.threads.cancel_by(settings.cancelled);
     try {
-        return run_phases(mesh, sites, settings, s, out);
+        return run_phases(mesh, sites, settings, lattice, s, out);
     } catch (const Threads::Cancelled&) {
         return Error{Status::cancelled, "the fracture was cancelled"};
     }

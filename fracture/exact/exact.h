@@ -16,7 +16,9 @@
 #include <span>
 
 #include "fracture/base/error.h"
+#include "fracture/exact/caps.h"
 #include "fracture/exact/classify.h"
+#include "fracture/exact/cut.h"
 #include "fracture/mesh/mesh.h"
 #include "fracture/pieces/fragments.h"
 #include "fracture/settings.h"
@@ -49,10 +51,15 @@ struct Statistics {
 };
 [[nodiscard]] Statistics statistics(const Scratch& scratch);
 
-// Fractures the mesh into `out` and reuses its memory. Ignores settings.algorithm. Errors: as fracture() (fracture.h);
-// `out` is unspecified then.
+// The vertices of the last fracture that used this memory, and the scale of their positions.
+[[nodiscard]] const Cut& cut(const Scratch& scratch);
+[[nodiscard]] const Scene& scene(const Scratch& scratch);
+
+// Fractures the mesh into `out` and reuses its memory. Ignores settings.algorithm and settings.rough. Errors: as
+// fracture() (fracture.h); `out` is unspecified then.
 [[nodiscard]] Result<void> fracture_exact(const TriangleMesh& mesh, std::span<const glm::dvec3> sites,
-                                          const Settings& settings, Scratch& scratch, Fragments& out);
+                                          const Settings& settings, Scratch& scratch, Fragments& out,
+                                          const CapLattice& lattice = {});
 
 [[nodiscard]] Result<Fragments> fracture_exact(const TriangleMesh& mesh, std::span<const glm::dvec3> sites,
                                                const Settings& settings = {});

@@ -94,6 +94,8 @@ struct Fragments {
     std::vector<uint32_t> triangle_source;
     std::vector<Piece> pieces; // ordered by site, then by first vertex
     std::vector<Bond> bonds;   // ordered by (a, b); empty if the algorithm finds no bonds
+    // Triangles of rough cuts that cross another triangle of their piece, see Settings::rough. Usually 0.
+    uint32_t crossings = 0;
     std::vector<Milliseconds> timings;
 
     [[nodiscard]] std::span<const glm::dvec3> positions_of(const Piece& piece) const {

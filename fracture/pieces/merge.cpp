@@ -123,6 +123,9 @@ class MergerChoice {
         flat_.assign(count_, rules_.flat.empty() ? 0 : 1);
         for (uint32_t p = 0; p < rules_.flat.size(); ++p)
             if (!rules_.flat[p]) flat_[sets_.root(p)] = 0;
+        small_.assign(count_, rules_.small.empty() ? 0 : 1);
+        for (uint32_t p = 0; p < rules_.small.size(); ++p)
+            if (!rules_.small[p]) small_[sets_.root(p)] = 0;
         for (uint32_t p = 0; p < count_; ++p)
             if (sets_.root(p) == p) enqueue(p);
         while (!smallest_.empty()) {
@@ -155,13 +158,15 @@ class MergerChoice {
 
     void enqueue(uint32_t root) {
         const double volume = std::abs(sets_.volume(root));
-        if (flat_[root] || volume < rules_.min_volume) smallest_.push({volume, sets_.representative(root), root});
+        if (flat_[root] || small_[root] || volume < rules_.min_volume)
+            smallest_.push({volume, sets_.representative(root), root});
     }
 
     uint32_t unite(uint32_t a, uint32_t b, uint32_t representative) {
-        const uint8_t both_flat = flat_[a] & flat_[b];
+        const uint8_t both_flat = flat_[a] & flat_[b], both_small = small_[a] & small_[b];
         const uint32_t united = sets_.unite(a, b, representative);
         flat_[united] = both_flat;
+        small_[united] = both_small;
         return united;
     }
 
@@ -210,7 +215,8 @@ class MergerChoice {
     const MergeRules& rules_;
     uint32_t count_; // of pieces
     PieceSets sets_;
-    std::vector<uint8_t> flat_; // per root: 1 if all pieces of the set are flat
+    std::vector<uint8_t> flat_;  // per root: 1 if all pieces of the set are flat
+    std::vector<uint8_t> small_; // per root: 1 if all pieces of the set count as small
     std::priority_queue<Entry, std::vector<Entry>, std::greater<>> smallest_;
 };
 

@@ -19,9 +19,10 @@ namespace brittle::fracture {
 inline constexpr uint32_t dropped = 0xffffffffu;
 
 struct MergeRules {
-    std::span<const uint32_t> group_of_site; // adjacent pieces whose sites share a group are merged; or empty
-    double min_volume = 0.0;                 // m^3; smaller pieces join the neighbour with the largest contact
-    std::span<const uint8_t> flat; // per piece: 1 for a piece without volume, which is below any minimum; or empty
+    std::span<const uint32_t> group_of_site{}; // adjacent pieces whose sites share a group are merged; or empty
+    double min_volume = 0.0;                   // m^3; smaller pieces join the neighbour with the largest contact
+    std::span<const uint8_t> flat{};  // per piece: 1 for a piece without volume, which is below any minimum; or empty
+    std::span<const uint8_t> small{}; // per piece: 1 for a piece that counts as below the minimum; or empty
 };
 
 // Returns the representative of each piece: within a group the piece with the lowest index, for a small piece the

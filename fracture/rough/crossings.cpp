@@ -1,0 +1,203 @@
+#include "fracture/rough/crossings.h"
+
+#include <algorithm>
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
+#include "fracture/mesh/intersections.h"
+
+namespace brittle::fracture::rough {
+
+namespace {
+
+// Rounding of a product with a normal, as a share of the largest coordinate times the length of the normal.
+constexpr double max_rounding = 1e-12;
+
+constexpr double max_slabs = 256.0;
+
+class PieceCrossings {
+  public:
+    void run(const Fragments& pieces, uint32_t piece, std::vector<Crossing>& found);
+
+  private:
+    void mark_band(const Piece& piece, std::span<const Triangle> triangles, std::span<const uint32_t> sources);
+    void collect(const Piece& piece, std::span<const glm::dvec3> positions, std::span<const Triangle> triangles);
+
+    struct Boxed {
+        glm::dvec3 low, high;
+        glm::dvec3 corner, normal; // of the plane of the triangle; the normal has any length
+        double doubt;              // the product with the normal below which a point may be on the plane
+        uint32_t triangle;
+        uint32_t first_slab;
+    };
+    [[nodiscard]] static bool is_beside(const Boxed& plane, const Triangle& other, const Triangle& own,
+                                        std::span<const glm::dvec3> positions);
+
+    std::vector<uint8_t> band_;   // per vertex: 1 on the border of a cut, 2 and 3 in the rings of the outside around it
+    std::vector<uint32_t> facet_; // per vertex: the cut that it is on
+    std::vector<Boxed> boxed_;    // the triangles of the band, sorted along the longest axis
+    int longest_ = 0;
+    std::vector<uint32_t> slab_begin_, slabs_; // the triangles that reach into slabs across the second longest axis
+};
+
+// Fills band_.
+void PieceCrossings::mark_band(const Piece& piece, std::span<const Triangle> triangles,
+                               std::span<const uint32_t> sources) {
+    facet_.assign(piece.vertices.size(), no_index);
+    band_.assign(piece.vertices.size(), 0);
+    for (uint32_t t = piece.exterior_triangles; t < triangles.size(); ++t) {
+        for (int k = 0; k < 3; ++k) {
+            const uint32_t v = triangles[t][k];
+            if (facet_[v] != no_index && facet_[v] != sources[t]) band_[v] = 1; // two cuts meet here
+            facet_[v] = sources[t];
+        }
+    }
+    const auto exterior = triangles.first(piece.exterior_triangles);
+    for (const Triangle& t : exterior)
+        for (int k = 0; k < 3; ++k)
+            if (facet_[t[k]] != no_index) band_[t[k]] = 1;
+    for (const uint8_t ring : {1, 2}) {
+        for (const Triangle& t : exterior) {
+            const bool beside = band_[t.x] == ring || band_[t.y] == ring || band_[t.z] == ring;
+            for (int k = 0; k < 3 && beside; ++k)
+                if (band_[t[k]] == 0) band_[t[k]] = ring + 1;
+        }
+    }
+}
+
+// Fills boxed_ and slabs_.
+void PieceCrossings::collect(const Piece& piece, std::span<const glm::dvec3> positions,
+                             std::span<const Triangle> triangles) {
+    boxed_.clear();
+    glm::dvec3 low(positions[0]), high(low), sum(0.0);
+    for (uint32_t t = 0; t < triangles.size(); ++t) {
+        const Triangle& c = triangles[t];
+        const uint8_t most = t < piece.exterior_triangles ? 3 : 1;
+        const auto in_band = [&](uint32_t v) { return band_[v] != 0 && band_[v] <= most; };
+        if (!in_band(c.x) && !in_band(c.y) && !in_band(c.z)) continue;
+        const glm::dvec3 &x = positions[c.x], &y = positions[c.y], &z = positions[c.z];
+        boxed_.push_back(
+            {glm::min(glm::min(x, y), z), glm::max(glm::max(x, y), z), x, glm::cross(y - x, z - x), 0.0, t, 0});
+        low = glm::min(low, boxed_.back().low);
+        high = glm::max(high, boxed_.back().high);
+        sum += boxed_.back().high - boxed_.back().low;
+    }
+    const glm::dvec3 size = high - low;
+    const double doubt = max_rounding * glm::length(glm::max(glm::abs(low), glm::abs(high)));
+    const int longest = size.x >= size.y && size.x >= size.z ? 0 : (size.y >= size.z ? 1 : 2);
+    const int second = size[(longest + 1) % 3] >= size[(longest + 2) % 3] ? (longest + 1) % 3 : (longest + 2) % 3;
+    std::sort(boxed_.begin(), boxed_.end(), [longest](const Boxed& a, const Boxed& b) {
+        return a.low[longest] != b.low[longest] ? a.low[longest] < b.low[longest] : a.triangle < b.triangle;
+    });
+    const double mean = sum[second] / static_cast<double>(std::max<size_t>(boxed_.size(), 1));
+    const double width = std::max(2.0 * mean, size[second] / max_slabs);
+    const auto slab_of = [&](double x) {
+        return width > 0.0 ? static_cast<uint32_t>(std::min((x - low[second]) / width, max_slabs)) : 0u;
+    };
+    slab_begin_.assign(slab_of(high[second]) + 3, 0);
+    for (int pass = 0; pass < 2; ++pass) {
+        for (uint32_t k = 0; k < boxed_.size(); ++k) {
+            Boxed& b = boxed_[k];
+            b.first_slab = slab_of(b.low[second]);
+            b.doubt = doubt * glm::length(b.normal);
+            for (uint32_t slab = b.first_slab; slab <= slab_of(b.high[second]); ++slab) {
+                if (pass == 0)
+                    ++slab_begin_[slab + 2];
+                else
+                    slabs_[slab_begin_[slab + 1]++] = k;
+            }
+        }
+        if (pass == 1) break;
+        for (size_t k = 2; k < slab_begin_.size(); ++k) slab_begin_[k] += slab_begin_[k - 1];
+        slabs_.resize(slab_begin_.back());
+    }
+    longest_ = longest;
+}
+
+// Returns whether a triangle surely lies on one side of a plane, apart from corners that it shares with the triangle
+// there. Most neighbours do.
+bool PieceCrossings::is_beside(const Boxed& plane, const Triangle& other, const Triangle& own,
+                               std::span<const glm::dvec3> positions) {
+    bool above = false, below = false;
+    for (int k = 0; k < 3; ++k) {
+        const uint32_t v = other[k];
+        if (v == own.x || v == own.y || v == own.z) continue;
+        const double distance = glm::dot(plane.normal, positions[v] - plane.corner);
+        above = above || !(distance < -plane.doubt);
+        below = below || !(distance > plane.doubt);
+    }
+    return above != below;
+}
+
+void PieceCrossings::run(const Fragments& pieces, uint32_t index, std::vector<Crossing>& found) {
+    const Piece& piece = pieces.pieces[index];
+    const auto positions = pieces.positions_of(piece);
+    const auto triangles = pieces.triangles_of(piece);
+    const auto sources = std::span(pieces.triangle_source).subspan(piece.triangles.begin, piece.triangles.size());
+    if (piece.exterior_triangles == triangles.size()) return;
+    mark_band(piece, triangles, sources);
+    collect(piece, positions, triangles);
+    std::vector<uint32_t> crossing;
+    const auto test = [&](uint32_t slab, const Boxed& a, const Boxed& b) {
+        if (b.low.x > a.high.x || a.low.x > b.high.x || b.low.y > a.high.y || a.low.y > b.high.y
+            || b.low.z > a.high.z || a.low.z > b.high.z || slab != std::max(a.first_slab, b.first_slab))
+            return;
+        const bool a_outside = a.triangle < piece.exterior_triangles, b_outside = b.triangle < piece.exterior_triangles;
+        if (!a_outside && !b_outside && sources[a.triangle] == sources[b.triangle]) return;
+        const Triangle &s = triangles[a.triangle], &t = triangles[b.triangle];
+        if (is_beside(a, t, s, positions) || is_beside(b, s, t, positions)) return;
+        if (!intersect(positions, s, t)) return;
+        if (!a_outside) crossing.push_back(a.triangle);
+        if (!b_outside) crossing.push_back(b.triangle);
+    };
+    std::vector<uint32_t> cuts, outside; // the triangles that the sweep may still meet
+    for (uint32_t slab = 0; slab + 1 < slab_begin_.size(); ++slab) {
+        cuts.clear();
+        outside.clear();
+        for (uint32_t i = slab_begin_[slab]; i < slab_begin_[slab + 1]; ++i) {
+            const Boxed& b = boxed_[slabs_[i]];
+            const bool b_outside = b.triangle < piece.exterior_triangles;
+            const auto meet = [&](std::vector<uint32_t>& open) {
+                size_t kept = 0;
+                for (const uint32_t k : open) {
+                    const Boxed& a = boxed_[k];
+                    if (a.high[longest_] < b.low[longest_]) continue;
+                    open[kept++] = k;
+                    test(slab, a, b);
+                }
+                open.resize(kept);
+            };
+            meet(cuts);
+            if (!b_outside) meet(outside); // two triangles of the outside never cross by a cut
+            (b_outside ? outside : cuts).push_back(slabs_[i]);
+        }
+    }
+    std::sort(crossing.begin(), crossing.end());
+    crossing.erase(std::unique(crossing.begin(), crossing.end()), crossing.end());
+    for (const uint32_t t : crossing) {
+        const glm::dvec3 &x = positions[triangles[t].x], &y = positions[triangles[t].y], &z = positions[triangles[t].z];
+        const glm::dvec3 centre = (x + y + z) / 3.0;
+        const double radius = std::max({glm::distance(x, centre), glm::distance(y, centre), glm::distance(z, centre)});
+        found.push_back({index, centre, radius});
+    }
+}
+
+} // namespace
+
+std::vector<Crossing> find_crossings(const Fragments& pieces, Threads& threads) {
+    const auto count = static_cast<uint32_t>(pieces.pieces.size());
+    std::vector<std::vector<Crossing>> found(threads.chunks(count, 1));
+    threads.for_chunks(count, 1, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
+        PieceCrossings finder;
+        for (uint32_t p = begin; p < end; ++p) {
+            threads.poll(p);
+            finder.run(pieces, p, found[chunk]);
+        }
+    });
+    std::vector<Crossing> all;
+    for (const std::vector<Crossing>& part : found) all.insert(all.end(), part.begin(), part.end());
+    return all;
+}
+
+} // namespace brittle::fracture::rough

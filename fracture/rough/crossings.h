@@ -1,0 +1,27 @@
+// Finds where the rough cuts of a piece pass through its outside or through each other.
+//
+// A cut that nearly touches the surface, or that meets it where it bends sharply, may cross it after the way back
+// (restore.h). The triangles that can cross are few: those of the cuts with a corner on the border of their facet, and
+// those of the outside within two rings of triangles around a cut. Pairs of them are tested exactly (intersections.h).
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+#include "fracture/base/threads.h"
+#include "fracture/pieces/fragments.h"
+
+namespace brittle::fracture::rough {
+
+struct Crossing {
+    uint32_t piece;
+    glm::dvec3 centre; // of a triangle of a cut, m
+    double radius;     // of a ball around it that contains the triangle, m
+};
+
+// Returns the triangles of cuts that cross another one of their piece, in the order of the pieces.
+[[nodiscard]] std::vector<Crossing> find_crossings(const Fragments& pieces, Threads& threads);
+
+} // namespace brittle::fracture::rough

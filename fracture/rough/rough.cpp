@@ -1,0 +1,220 @@
+#include "fracture/rough/rough.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+#include <glm/geometric.hpp>
+
+#include "fracture/mesh/mass_properties.h"
+#include "fracture/rough/crossings.h"
+
+namespace brittle::fracture::rough {
+
+namespace {
+
+constexpr uint32_t min_points_per_chunk = 2048;
+
+// Points per wavelength of the shortest octave, along the cuts and their borders.
+constexpr double points_per_wavelength = 4.0;
+
+// The spacing of points is at least this share of the size of the mesh: below it they come close to rounding.
+constexpr double min_spacing = 1e-6;
+
+// The volume of a flake, in units of its area to the power of 1.5: a disc of this thickness per diameter has 0.4 of it.
+constexpr double min_thickness = 1e-6;
+
+// How often the warp is calmed before crossings are left, and counted.
+constexpr uint32_t max_rounds = 4;
+
+constexpr double max_stretch = 16.0, max_detail = 6;
+
+class Stopwatch {
+  public:
+    void lap(const char* phase, Fragments& out) {
+        const auto now = std::chrono::steady_clock::now();
+        out.timings.push_back({phase, std::chrono::duration<double, std::milli>(now - last_).count()});
+        last_ = now;
+    }
+
+  private:
+    std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+Error out_of_range(const char* what, double value, const char* range) {
+    char text[160];
+    std::snprintf(text, sizeof text, "%s is %g; give %s", what, value, range);
+    return {Status::invalid_setting, text};
+}
+
+// About how many triangles the cuts get at a spacing, on both sides: cells of a random diagram have about 2.9 times the
+// area of a face of a cube of their volume (Okabe et al., "Spatial Tessellations", table 5.5.2), each facet shared.
+double estimate_triangles(const Box& box, size_t sites, double spacing) {
+    const glm::dvec3 size = box.size();
+    const double volume = size.x * size.y * size.z, n = static_cast<double>(sites);
+    const double area = 2.9 * std::cbrt(n) * std::cbrt(volume * volume);
+    return 2.0 * area / (0.433 * spacing * spacing);
+}
+
+} // namespace
+
+double typical_distance(std::span<const glm::dvec3> sites) {
+    std::vector<double> nearest;
+    const size_t stride = std::max<size_t>(1, sites.size() / 256);
+    for (size_t i = 0; i < sites.size(); i += stride) {
+        double least = std::numeric_limits<double>::infinity();
+        for (const glm::dvec3& other : sites) {
+            const glm::dvec3 d = other - sites[i];
+            const double square = glm::dot(d, d);
+            if (square > 0.0 && square < least) least = square;
+        }
+        if (std::isfinite(least)) nearest.push_back(std::sqrt(least));
+    }
+    if (nearest.empty()) return 0.0;
+    const auto middle = nearest.begin() + static_cast<std::ptrdiff_t>(nearest.size() / 2);
+    std::nth_element(nearest.begin(), middle, nearest.end());
+    return 1.5 * *middle;
+}
+
+Result<void> check(const Roughness& r) {
+    if (!(r.amount >= 0.0 && r.amount <= 1.0)) return out_of_range("the roughness", r.amount, "0 to 1");
+    if (!(r.wavelength >= 0.0) || !std::isfinite(r.wavelength))
+        return out_of_range("the wavelength of the roughness", r.wavelength, "a positive length in metres, or 0");
+    const double stretch = glm::length(r.grain);
+    if (!(stretch == 0.0 || (stretch >= 1.0 / max_stretch && stretch <= max_stretch)))
+        return out_of_range("the length of the grain", stretch, "0, or 1/16 to 16");
+    if (r.detail < 1 || r.detail > max_detail)
+        return out_of_range("the detail of the roughness", r.detail, "1 to 6 octaves");
+    return {};
+}
+
+// Sets roughness_, wavelength_ and spacing_: as asked, or coarser, where the triangles would be too many.
+void RoughCut::choose_spacing(const TriangleMesh& mesh, std::span<const glm::dvec3> sites, const Roughness& roughness) {
+    const Box box = bounds(mesh);
+    roughness_ = roughness;
+    wavelength_ = roughness.wavelength > 0.0 ? roughness.wavelength : typical_distance(sites);
+    const double stretch = glm::length(roughness.grain);
+    const double shrink = stretch > 0.0 ? std::min(stretch, 1.0) : 1.0;
+    const double least = min_spacing * glm::length(box.size());
+    const auto spacing = [&] {
+        return shrink * wavelength_ / points_per_wavelength / static_cast<double>(1u << (roughness_.detail - 1));
+    };
+    const auto fits = [&](double s) {
+        return s >= least && estimate_triangles(box, sites.size(), s) <= static_cast<double>(roughness.max_triangles);
+    };
+    while (roughness_.detail > 1 && !fits(spacing())) --roughness_.detail;
+    spacing_ = spacing();
+    while (spacing_ < wavelength_ && !fits(spacing_)) spacing_ *= 2.0;
+    if (!fits(spacing_)) spacing_ = 0.0;
+    // A wavelength beyond rounding would not change the cuts.
+    if (!(wavelength_ > least)) roughness_.amount = 0.0;
+}
+
+void RoughCut::start(const TriangleMesh& mesh, std::span<const glm::dvec3> sites, const Settings& settings) {
+    if (requested_threads_ != settings.threads) {
+        threads_ = Threads(settings.threads);
+        requested_threads_ = settings.threads;
+    }
+    threads_.log_to(settings.work_log);
+    threads_.cancel_by(settings.cancelled);
+    choose_spacing(mesh, sites, settings.rough);
+    calm_balls_.clear();
+    rounds_ = 0;
+}
+
+Result<void> RoughCut::cut(const TriangleMesh& mesh, std::span<const glm::dvec3> sites, const Settings& settings,
+                           exact::Scratch& scratch, Fragments& out) {
+    const auto vertices = static_cast<uint32_t>(mesh.positions.size());
+    const bool in_range = std::all_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const Triangle& t) {
+        return t.x < vertices && t.y < vertices && t.z < vertices;
+    });
+    // The flat cut reports the errors, in terms of the mesh that the caller knows.
+    if (!in_range || mesh.triangles.empty() || sites.empty())
+        return exact::fracture_exact(mesh, sites, settings, scratch, out);
+    Stopwatch watch;
+    warp_ = Warp(roughness_, wavelength_, calm_balls_);
+    const auto warp_all = [&](std::span<const glm::dvec3> from, std::vector<glm::dvec3>& to) {
+        to.assign(from.begin(), from.end());
+        threads_.for_chunks(
+            static_cast<uint32_t>(to.size()), min_points_per_chunk,
+            [&](uint32_t, uint32_t begin, uint32_t end) { warp_.apply(std::span(to).subspan(begin, end - begin)); });
+    };
+    warp_all(mesh.positions, warped_positions_);
+    warp_all(sites, warped_sites_);
+    const WarpedSites warped{warped_sites_, settings.weights};
+    const double unlimited = std::numeric_limits<double>::infinity();
+    double spacing = spacing_ > 0.0 ? spacing_ : unlimited;
+    while (!refiner_.run(mesh, warped_positions_, warp_, warped, spacing,
+                         mesh.triangles.size() + settings.rough.max_triangles, surface_))
+        spacing *= 2.0;
+    std::vector<Milliseconds> timings;
+    watch.lap("warp", out);
+    timings.push_back(out.timings.back());
+
+    Result<void> done =
+        exact::fracture_exact(surface_.warped, warped_sites_, settings, scratch, out, {spacing_, surface_.positions});
+    if (!done) {
+        if (done.error().status == Status::cancelled) return done;
+        if (Result<void> flat = exact::fracture_exact(mesh, sites, settings, scratch, out); !flat) return flat;
+        return done;
+    }
+    out.timings.insert(out.timings.begin(), timings.begin(), timings.end());
+    watch = {};
+    restorer_.start(surface_, exact::cut(scratch), exact::scene(scratch), warp_, spacing_, out, threads_);
+    watch.lap("place", out);
+    return {};
+}
+
+void RoughCut::weigh_in_place(Fragments& pieces) {
+    threads_.for_chunks(static_cast<uint32_t>(pieces.pieces.size()), 1, [&](uint32_t, uint32_t begin, uint32_t end) {
+        for (uint32_t p = begin; p < end; ++p) {
+            Piece& piece = pieces.pieces[p];
+            piece.mass = mass_properties(pieces.positions_of(piece), pieces.triangles_of(piece));
+        }
+    });
+}
+
+std::vector<uint8_t> RoughCut::weigh(Fragments& pieces) {
+    std::vector<glm::dvec3> places = restorer_.places(pieces, threads_);
+    std::swap(places, pieces.positions);
+    weigh_in_place(pieces);
+    std::swap(places, pieces.positions);
+    std::vector<uint8_t> flakes;
+    for (size_t p = 0; p < pieces.pieces.size(); ++p) {
+        const MassProperties& mass = pieces.pieces[p].mass;
+        if (mass.volume > min_thickness * mass.area * std::sqrt(mass.area)) continue;
+        flakes.resize(pieces.pieces.size(), 0);
+        flakes[p] = 1;
+    }
+    return flakes;
+}
+
+void RoughCut::restore(const TriangleMesh& mesh, size_t site_count, Fragments& pieces) {
+    Stopwatch watch;
+    pieces.positions = restorer_.places(pieces, threads_);
+    restorer_.join_triangles(mesh, threads_, pieces);
+    weigh_in_place(pieces);
+    bonds_.run_bent(site_count, pieces);
+    watch.lap("restore", pieces);
+}
+
+bool RoughCut::calm(Fragments& pieces) {
+    Stopwatch watch;
+    const std::vector<Crossing> crossings = find_crossings(pieces, threads_);
+    watch.lap("check", pieces);
+    pieces.crossings = static_cast<uint32_t>(crossings.size());
+    if (crossings.empty() || rounds_++ == max_rounds) return false;
+    // Later rounds calm more around what is left.
+    for (const Crossing& crossing : crossings) {
+        const double radius = crossing.radius * static_cast<double>(rounds_);
+        const bool is_new = std::none_of(calm_balls_.begin(), calm_balls_.end(), [&](const CalmBall& ball) {
+            return glm::distance(ball.centre, crossing.centre) + radius <= ball.radius;
+        });
+        if (is_new) calm_balls_.push_back({crossing.centre, radius});
+    }
+    return true;
+}
+
+} // namespace brittle::fracture::rough

@@ -1,0 +1,80 @@
+// Rough cuts: the exact fracture of a warped solid, taken back.
+//
+// "Real Time Voronoi Fracturing of Polygon Meshes", section 1, asks for cuts that are not flat. A smooth one-to-one map
+// of space (warp.h) is applied to the surface and to the sites; the exact core cuts the result by planes, so every
+// decision stays exact; and each point is taken back by what it is (restore.h). Both sides of a cut share their points,
+// so the pieces are closed and their volumes add up, whatever the noise. The border of a cut bends on the surface too,
+// because triangles near a cut are divided before (refine.h).
+//
+//     RoughCut rough;
+//     rough.start(mesh, sites, settings);
+//     do {
+//         rough.cut(mesh, sites, settings, scratch, pieces);  // warped pieces
+//         ...                                                 // merge them
+//         rough.restore(mesh, sites.size(), pieces);
+//     } while (rough.calm(pieces));
+//
+// The outside of the pieces is the surface of the input, to the last bit of each vertex. Close to it, a cut follows the
+// warp up to an error of second order in the spacing, and may cross the surface. There the warp is calmed, and the
+// solid is cut again.
+#pragma once
+
+#include <span>
+
+#include "fracture/exact/bonds.h"
+#include "fracture/exact/exact.h"
+#include "fracture/rough/refine.h"
+#include "fracture/rough/restore.h"
+#include "fracture/rough/warp.h"
+
+namespace brittle::fracture::rough {
+
+// The typical distance of adjacent sites, m: 1.5 times the median distance to the nearest other site, of at most 256
+// sites. 0 where there are not two different sites.
+[[nodiscard]] double typical_distance(std::span<const glm::dvec3> sites);
+
+// Errors: invalid_setting for a value out of its range (settings.h).
+[[nodiscard]] Result<void> check(const Roughness& roughness);
+
+// Reuses its memory. Not synchronised.
+class RoughCut {
+  public:
+    // Chooses the warp and the spacing of points.
+    void start(const TriangleMesh& mesh, std::span<const glm::dvec3> sites, const Settings& settings);
+
+    // Cuts the warped solid. Errors: as exact::fracture_exact(), in terms of `mesh`.
+    [[nodiscard]] Result<void> cut(const TriangleMesh& mesh, std::span<const glm::dvec3> sites,
+                                   const Settings& settings, exact::Scratch& scratch, Fragments& out);
+
+    // Gives the warped pieces the mass that they have in their places, for merging by volume. Returns, per piece, 1 for
+    // a flake, which a cut that grazes the surface leaves: its volume there is nearly zero or negative. A neighbour must
+    // absorb it. Empty where there is none.
+    [[nodiscard]] std::vector<uint8_t> weigh(Fragments& pieces);
+
+    // Takes the pieces of the last cut(), merged or not, to their places. Computes mass and bonds anew.
+    void restore(const TriangleMesh& mesh, size_t site_count, Fragments& pieces);
+
+    // Looks for cuts that cross their piece. Returns true where the warp has been calmed around them and the solid must
+    // be cut again; sets pieces.crossings otherwise.
+    [[nodiscard]] bool calm(Fragments& pieces);
+
+  private:
+    void weigh_in_place(Fragments& pieces);
+    void choose_spacing(const TriangleMesh& mesh, std::span<const glm::dvec3> sites, const Roughness& roughness);
+
+    Threads threads_{1};
+    uint32_t requested_threads_ = 1;
+    Roughness roughness_;
+    double wavelength_ = 0.0;
+    double spacing_ = 0.0; // of the points on the cuts and their borders, m; 0 for none
+    std::vector<CalmBall> calm_balls_;
+    uint32_t rounds_ = 0; // of calm()
+    Warp warp_;
+    std::vector<glm::dvec3> warped_positions_, warped_sites_;
+    SurfaceRefiner refiner_;
+    Surface surface_;
+    Restorer restorer_;
+    exact::BondFinder bonds_;
+};
+
+} // namespace brittle::fracture::rough
