@@ -34,6 +34,10 @@ constexpr double same_face = 0.9986;
 // Corners that are nearer to a face's plane than this part of the hull's extent may belong to it.
 constexpr double same_plane = 2e-3;
 
+// Depths of a cut along a plane, as parts of the hull's length: less is the rounding of a flat contact, more would mean
+// that the contact is not nearly plane.
+constexpr double min_cut = 1e-6, max_cut = 0.25;
+
 struct Plane {
     glm::dvec3 normal{0.0}; // outwards, unit
     double distance = 0.0;  // normal . x <= distance inside
@@ -131,6 +135,53 @@ std::optional<FullHull> full_hull(const std::vector<glm::dvec3>& points) {
     }
     hull.section = section_of_faces(areas);
     return hull.planes.size() < 4 ? std::nullopt : std::optional(std::move(hull));
+}
+
+// Cuts the hull of the points along the planes that pass through it. Returns points whose hull lies inside both; their
+// hull lacks the corner of three planes in its inside.
+std::vector<glm::dvec3> cut_hull(const std::vector<glm::dvec3>& points, std::span<const HullPlane> planes) {
+    btConvexHullComputer computer;
+    computer.compute(&points[0].x, static_cast<int>(sizeof(glm::dvec3)), static_cast<int>(points.size()), 0.0f, 0.0f);
+    using Polygon = std::vector<glm::dvec3>;
+    std::vector<Polygon> faces;
+    for (int face = 0; face < computer.faces.size(); ++face) {
+        const btConvexHullComputer::Edge* const first = &computer.edges[computer.faces[face]];
+        Polygon& polygon = faces.emplace_back();
+        for (const auto* edge = first;; edge = edge->getNextEdgeOfFace()) {
+            polygon.push_back(points[static_cast<size_t>(computer.original_vertex_index[edge->getSourceVertex()])]);
+            if (edge->getNextEdgeOfFace() == first) break;
+        }
+    }
+    for (const HullPlane& plane : planes) {
+        for (Polygon& polygon : faces) { // Sutherland and Hodgman, 1974
+            Polygon kept;
+            for (size_t k = 0; k < polygon.size(); ++k) {
+                const glm::dvec3 &a = polygon[k], &b = polygon[(k + 1) % polygon.size()];
+                const double over_a = glm::dot(plane.normal, a) - plane.distance;
+                const double over_b = glm::dot(plane.normal, b) - plane.distance;
+                if (over_a <= 0.0) kept.push_back(a);
+                if ((over_a < 0.0 && over_b > 0.0) || (over_a > 0.0 && over_b < 0.0))
+                    kept.push_back(a + (b - a) * (over_a / (over_a - over_b)));
+            }
+            polygon = std::move(kept);
+        }
+    }
+    std::vector<glm::dvec3> left;
+    for (const Polygon& polygon : faces) left.insert(left.end(), polygon.begin(), polygon.end());
+    return left;
+}
+
+// The planes that cut something off the points, but not more than a quarter of their length.
+std::vector<HullPlane> cutting_planes(const std::vector<glm::dvec3>& points, const glm::dvec3& origin,
+                                      std::span<const HullPlane> planes, double length) {
+    std::vector<HullPlane> cutting;
+    for (const HullPlane& plane : planes) {
+        const double distance = plane.distance - glm::dot(plane.normal, origin);
+        double over = -std::numeric_limits<double>::infinity();
+        for (const glm::dvec3& p : points) over = std::max(over, glm::dot(plane.normal, p) - distance);
+        if (over > min_cut * length && over < max_cut * length) cutting.push_back({plane.normal, distance});
+    }
+    return cutting;
 }
 
 struct InnerHull {
@@ -410,7 +461,11 @@ CollisionHull collision_hull(std::span<const glm::dvec3> points, glm::dvec3 orig
     if (thinnest <= longest * flat_ratio) return flat_hull(local, extents, max_vertices);
     // The exact hull gets few points: at 700 points it costs two milliseconds, and offsetting its planes as much again.
     const Directions directions = directions_for(extents);
-    const std::optional<FullHull> full = full_hull(supporting_subset(local, directions, max_vertices));
+    std::vector<glm::dvec3> chosen = supporting_subset(local, directions, max_vertices);
+    const std::vector<HullPlane> planes = cutting_planes(chosen, origin, settings.planes, 2.0 * longest);
+    if (!planes.empty()) chosen = cut_hull(chosen, planes);
+    if (chosen.size() < 4) return flat_hull(local, extents, max_vertices);
+    const std::optional<FullHull> full = full_hull(supporting_subset(chosen, directions, max_vertices));
     if (!full || full->inradius <= longest * flat_ratio * 0.1) return flat_hull(local, extents, max_vertices);
 
     const double fraction = std::clamp<double>(settings.margin_fraction, min_fraction, max_fraction);
@@ -427,14 +482,27 @@ CollisionHull collision_hull(std::span<const glm::dvec3> points, glm::dvec3 orig
     return hull;
 }
 
+std::vector<std::vector<HullPlane>> contact_planes(const fracture::Fragments& fragments) {
+    std::vector<std::vector<HullPlane>> planes(fragments.pieces.size());
+    for (const fracture::Bond& bond : fragments.bonds) {
+        const double distance = glm::dot(bond.normal, bond.centroid);
+        planes[bond.a].push_back({bond.normal, distance});
+        planes[bond.b].push_back({-bond.normal, -distance});
+    }
+    return planes;
+}
+
 PieceHulls collision_hulls(const fracture::Fragments& fragments, const HullSettings& settings, uint32_t threads) {
     PieceHulls hulls(fragments.pieces.size());
+    const std::vector<std::vector<HullPlane>> planes = contact_planes(fragments);
     fracture::Threads pool(threads);
     pool.for_chunks(static_cast<uint32_t>(hulls.size()), 4, [&](uint32_t, uint32_t begin, uint32_t end) {
         for (uint32_t i = begin; i < end; ++i) {
             const fracture::Piece& piece = fragments.pieces[i];
+            HullSettings own = settings;
+            own.planes = planes[i];
             hulls[i] = std::make_shared<const CollisionHull>(
-                collision_hull(fragments.positions_of(piece), piece.mass.centre_of_mass, settings));
+                collision_hull(fragments.positions_of(piece), piece.mass.centre_of_mass, own));
         }
     });
     return hulls;

@@ -3,7 +3,8 @@
 // The collision margin adds a shell around a convex hull: two pieces that share a face would overlap by two margins at
 // birth and push each other apart. The hull's planes are therefore moved inwards by the margin, so that hull + margin
 // lies inside the convex hull of the piece. Pieces of different Voronoi cells never overlap at birth: each lies in its
-// cell, which is convex, and so does its hull. Two islands of one cell, and pieces from elsewhere, may overlap; the
+// cell, which is convex, and so does its hull. Rough pieces reach a little into each other's cells; their hulls are cut
+// along the mean plane of each contact (contact_planes()). Two islands of one cell, and pieces from elsewhere, may overlap; the
 // world separates such pairs slowly (WorldSettings::separation_speed).
 //
 // Points are relative to an origin that the caller passes, usually the centre of mass. Metres. Pure functions;
@@ -26,6 +27,12 @@
 
 namespace brittle::physics {
 
+// A plane that a hull must not pass: normal . x <= distance, with x in the coordinates of the points, m.
+struct HullPlane {
+    glm::dvec3 normal{0.0}; // unit
+    double distance = 0.0;
+};
+
 struct HullSettings {
     // Upper bound of a hull's vertex count, at least 8. The cost of a pair of hulls grows linearly with it. Below
     // about 16, pieces visibly rock on corners that they lack.
@@ -39,6 +46,9 @@ struct HullSettings {
     float margin_fraction = 0.02f;
     // Upper bound of the margin, m; at least a micrometre.
     float max_margin = 0.01f;
+    // The hull is cut along these planes, except where that would take more than a quarter of its length. The caller
+    // keeps them; collision_hulls() sets its own.
+    std::span<const HullPlane> planes{};
 };
 
 // The faces of a convex hull: convex polygons, each a loop of indices into the points, counter-clockwise seen from
@@ -78,7 +88,12 @@ struct CollisionHull {
 [[nodiscard]] CollisionHull collision_hull(std::span<const glm::dvec3> points, glm::dvec3 origin,
                                            const HullSettings& settings = {});
 
-// Returns one hull per piece, in the order of the fragments, relative to the piece's centre of mass. This is nearly
+// Returns, per piece, the mean plane of each of its contacts. The hulls of two pieces with a contact, cut along these
+// planes, do not overlap. Those of flat cuts cut nothing off.
+[[nodiscard]] std::vector<std::vector<HullPlane>> contact_planes(const fracture::Fragments& fragments);
+
+// Returns one hull per piece, in the order of the fragments, relative to the piece's centre of mass, and cut along the
+// planes of its contacts. This is nearly
 // the whole cost of making bodies and may run ahead of time on any thread. It uses `threads` threads (0: one a core);
 // the result does not depend on their number.
 using PieceHulls = std::vector<std::shared_ptr<const CollisionHull>>;

@@ -265,6 +265,35 @@ TEST_CASE("parallel hulls equal sequential ones for any number of threads") {
     CHECK(physics::collision_hulls({}).empty());
 }
 
+TEST_CASE("hulls of rough pieces do not pass the mean plane of a contact, and those of flat pieces stay as they are") {
+    const fracture::TriangleMesh cube = fracture::cuboid({1.0, 1.0, 1.0});
+    const auto sites = fracture::uniform_sites(fracture::bounds(cube), 30, 4);
+    fracture::Settings settings;
+    for (const double amount : {0.0, 1.0}) {
+        settings.rough.amount = amount;
+        const auto fragments = fracture::fracture(cube, sites, settings);
+        REQUIRE(fragments);
+        const physics::PieceHulls hulls = physics::collision_hulls(*fragments);
+        double deepest = 0.0; // of the points alone, beyond the plane
+        for (const fracture::Bond& bond : fragments->bonds) {
+            for (const uint32_t p : {bond.a, bond.b}) {
+                const glm::dvec3 outwards = p == bond.a ? bond.normal : -bond.normal;
+                const fracture::Piece& piece = fragments->pieces[p];
+                const double plane = glm::dot(outwards, bond.centroid - piece.mass.centre_of_mass);
+                const std::vector<glm::dvec3> points(hulls[p]->points.begin(), hulls[p]->points.end());
+                CHECK(support(points, outwards) < plane + 1e-6);
+                const auto own = fragments->positions_of(piece);
+                deepest = std::max(deepest, support(own, outwards) - glm::dot(outwards, bond.centroid));
+            }
+        }
+        CHECK((amount > 0.0 ? deepest > 0.02 : deepest < 1e-12));
+        for (size_t i = 0; i < hulls.size() && amount == 0.0; ++i) {
+            const fracture::Piece& piece = fragments->pieces[i];
+            CHECK(hulls[i]->points == collision_hull(fragments->positions_of(piece), piece.mass.centre_of_mass).points);
+        }
+    }
+}
+
 TEST_CASE("the hull of many points keeps the corners, and crumbs get few vertices") {
     // A long box with a thousand points inside and on its faces keeps all eight corners, wherever they are in the list.
     test::Random random(4);
