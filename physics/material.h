@@ -13,6 +13,7 @@
 
 #include <glm/vec3.hpp>
 
+#include "fracture/settings.h"
 #include "fracture/sites/pattern.h"
 
 namespace brittle::physics {
@@ -89,6 +90,7 @@ struct MaterialPreset {
     std::string_view name;
     Material material;
     fracture::Pattern pattern; // kind and shape; its count and seed are the caller's
+    fracture::Roughness rough; // amount, grain and detail; size and seed are the caller's
     glm::vec3 exterior;        // linear colour of the original surface
     glm::vec3 interior;        // linear colour of fracture surfaces
 };

@@ -188,10 +188,15 @@ Result<std::vector<SolidPtr>> cut_pieces(const PlannedCut& cut, const Damage& da
     pattern.seed = cut.seed;
     Blow on_surface = cut.blow;
     on_surface.point = fracture::nearest_on(cut.solid->mesh, cut.blow.point);
+    SolidSettings settings = cut.desc->solid;
+    settings.rough.seed = cut.seed;
+    settings.rough.detail = 1; // for the latency of blows
+    if (pattern.kind == fracture::PatternKind::splinters && pattern.diagram.empty())
+        settings.rough.grain = glm::length(settings.rough.grain) * longest_axis(cut.solid->mass);
     ImpactSites sites;
     const auto broken = [&] {
         sites = impact_sites(cut.solid->mesh, cut.solid->mass, on_surface, damage, pattern);
-        return break_solid(*cut.solid, sites.sites, sites.groups, cut.desc->solid, cancelled);
+        return break_solid(*cut.solid, sites.sites, sites.groups, settings, cancelled);
     };
     Result<std::vector<SolidPtr>> pieces = broken();
     const auto withstands = [&] { return pieces && pieces->size() < 2 && !(cancelled && cancelled()); };
@@ -206,7 +211,7 @@ Result<std::vector<SolidPtr>> cut_pieces(const PlannedCut& cut, const Damage& da
     if (withstands() && sites.rest > 1 && std::ranges::find(sites.groups, sites.rest) != sites.groups.end()) {
         // Crumbs that are each below the minimum size come off as one piece.
         for (uint32_t& group : sites.groups) group = group < sites.rest ? 0 : 1;
-        take(break_solid(*cut.solid, sites.sites, sites.groups, cut.desc->solid, cancelled));
+        take(break_solid(*cut.solid, sites.sites, sites.groups, settings, cancelled));
     }
     return pieces;
 }

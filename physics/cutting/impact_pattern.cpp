@@ -64,15 +64,6 @@ glm::dvec3 in_half_ball(Random& random, const glm::dvec3& along, double power) {
     return d * std::pow(random.uniform(), power);
 }
 
-// The principal axis of the least moment of inertia.
-glm::dvec3 longest_axis(const fracture::MassProperties& mass) {
-    const fracture::PrincipalAxes principal = fracture::principal_axes(mass.inertia);
-    int least = 0;
-    for (int axis = 1; axis < 3; ++axis)
-        if (principal.moments[axis] < principal.moments[least]) least = axis;
-    return principal.axes[least];
-}
-
 class Maker {
   public:
     Maker(const fracture::TriangleMesh& solid, const Blow& blow, const Damage& damage, const ImpactPattern& pattern)
@@ -327,6 +318,14 @@ class Maker {
 };
 
 } // namespace
+
+glm::dvec3 longest_axis(const fracture::MassProperties& mass) {
+    const fracture::PrincipalAxes principal = fracture::principal_axes(mass.inertia);
+    int least = 0;
+    for (int axis = 1; axis < 3; ++axis)
+        if (principal.moments[axis] < principal.moments[least]) least = axis;
+    return principal.axes[least];
+}
 
 double energy_of(double radius, const Material& material, double volume, uint32_t max_pieces) {
     if (!(radius > 0.0) || !(volume > 0.0) || !std::isfinite(radius) || !std::isfinite(volume)) return 0.0;

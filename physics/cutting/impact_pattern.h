@@ -87,6 +87,9 @@ struct ImpactSites {
     bool bricks = false;          // whole bricks come off, rather than crumbs
 };
 
+// The direction of the least moment of inertia, along which splinters run. A unit vector.
+[[nodiscard]] glm::dvec3 longest_axis(const fracture::MassProperties& mass);
+
 // Empty without damage.
 [[nodiscard]] ImpactSites impact_sites(const fracture::TriangleMesh& solid, const fracture::MassProperties& mass,
                                        const Blow& blow, const Damage& damage, const ImpactPattern& pattern);

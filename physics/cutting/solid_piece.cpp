@@ -92,10 +92,13 @@ SolidPiece mesh_of(const SolidPiece& from, const Fragments& fragments, const Pie
 std::vector<std::vector<BodyPart>> parts_of_cells(const Fragments& cells, const ConvexPartSettings& settings) {
     ConvexPartSettings few = settings;
     few.max_parts = std::min(settings.max_parts, max_parts_of_cell);
+    const std::vector<std::vector<HullPlane>> planes = contact_planes(cells);
     std::vector<std::vector<BodyPart>> parts;
-    for (const Piece& piece : cells.pieces)
+    for (const Piece& piece : cells.pieces) {
+        few.hull.planes = planes[parts.size()];
         parts.push_back(convex_parts(cells.positions_of(piece), cells.triangles_of(piece), piece.mass.volume,
                                      piece.mass.centre_of_mass, few));
+    }
     return parts;
 }
 
@@ -200,8 +203,8 @@ std::vector<uint32_t> first_of_islands(const Fragments& cut, std::span<const uin
 Result<std::vector<SolidPtr>> break_solid(const SolidPiece& solid, std::span<const glm::dvec3> sites,
                                           std::span<const uint32_t> groups, const SolidSettings& settings,
                                           const std::function<bool()>& cancelled) {
-    Result<Fragments> cut =
-        fracture::fracture(solid.mesh, sites, {.threads = settings.threads, .cancelled = cancelled});
+    Result<Fragments> cut = fracture::fracture(
+        solid.mesh, sites, {.threads = settings.threads, .rough = settings.rough, .cancelled = cancelled});
     if (!cut) return cut.error();
     const std::vector<uint32_t> goes_to = fracture::choose_mergers(*cut, {groups, cube(settings.min_size), {}});
     return joined_pieces(solid, *cut, goes_to, settings, cancelled);
@@ -211,7 +214,8 @@ Result<std::vector<SolidPtr>> break_apart(const SolidPiece& solid, std::span<con
                                           const SolidSettings& settings, const std::function<bool()>& cancelled) {
     assert(solid.blocks && islands.size() == solid.blocks->nodes.size());
     Result<Fragments> cut =
-        fracture::fracture(solid.mesh, solid.blocks->sites, {.threads = settings.threads, .cancelled = cancelled});
+        fracture::fracture(solid.mesh, solid.blocks->sites,
+                           {.threads = settings.threads, .rough = settings.rough, .cancelled = cancelled});
     if (!cut) return cut.error();
     const std::vector<uint32_t> goes_to = first_of_islands(*cut, islands, cube(settings.min_size));
     return joined_pieces(solid, *cut, goes_to, settings, cancelled);
@@ -247,16 +251,19 @@ Result<std::vector<SolidPtr>> solids_of(const Fragments& fragments, const SolidS
     if (const Result<void> valid = check(settings); !valid) return valid.error();
     std::vector<SolidPtr> solids(fragments.pieces.size());
     fracture::Threads pool(threads);
+    const std::vector<std::vector<HullPlane>> planes = contact_planes(fragments);
     pool.for_chunks(static_cast<uint32_t>(solids.size()), 4, [&](uint32_t, uint32_t begin, uint32_t end) {
+        SolidSettings own = settings;
         for (uint32_t i = begin; i < end; ++i) {
             const Piece& piece = fragments.pieces[i];
+            own.parts.hull.planes = planes[i];
             if (!hollow) {
-                solids[i] = solid_of(fragments, piece, settings);
+                solids[i] = solid_of(fragments, piece, own);
                 continue;
             }
             SolidPiece solid = copy_of(fragments, piece, settings);
             solid.parts = convex_parts(fragments.positions_of(piece), fragments.triangles_of(piece), piece.mass.volume,
-                                       piece.mass.centre_of_mass, settings.parts);
+                                       piece.mass.centre_of_mass, own.parts);
             add_blocks(solid, settings);
             solids[i] = std::make_shared<const SolidPiece>(std::move(solid));
         }

@@ -21,6 +21,7 @@
 #include "fracture/base/error.h"
 #include "fracture/mesh/mesh.h"
 #include "fracture/pieces/fragments.h"
+#include "fracture/settings.h"
 #include "physics/bonds/anchor.h"
 #include "physics/bonds/held_blocks.h"
 #include "physics/cutting/convex_parts.h"
@@ -37,7 +38,10 @@ struct SolidSettings {
     std::vector<AnchorRegion> anchors{}; // in the object's coordinates; a piece that reaches into one is fixed
     ConvexPartSettings parts{};
     HeldBlockSettings blocks{}; // of anchored, breakable solids
-    uint32_t threads = 1;       // of one cut; the jobs of a Destruction use one each
+    // Of the cuts of blows and loads. A blow has a seed of its own. With a wavelength of 0 the bumps are as large as the
+    // pieces of each blow. Splinters turn the grain along the longest axis of the solid that is hit.
+    fracture::Roughness rough{};
+    uint32_t threads = 1; // of one cut; the jobs of a Destruction use one each
 };
 
 struct SolidPiece {

@@ -506,6 +506,71 @@ TEST_CASE("a minimum volume gives fewer pieces, and none below it") {
     CHECK(run_brittle(folder, "fracture shape:cube --min-volume -1 -o " + (folder / "x.glb")).exit_code == 2);
 }
 
+TEST_CASE("--roughness bends the cuts, 0 gives the flat ones, and a recipe repeats them") {
+    const Folder folder;
+    const std::string report = folder / "report.json", recipe = folder / "recipe.json";
+    const auto run = [&](const std::string& options) {
+        const Outcome outcome =
+            run_brittle(folder, "fracture " + options + " -o " + (folder / "out.glb") + " --report " + report);
+        REQUIRE_MESSAGE(outcome.exit_code == 0, outcome.output);
+        auto json = nlohmann::json::parse(read_text(report));
+        json["text"] = outcome.output;
+        return json;
+    };
+    const auto says = [](const nlohmann::json& json, const char* words) {
+        return json["text"].get<std::string>().find(words) != std::string::npos;
+    };
+    const std::string cube = "shape:cube -n 12 ";
+    const auto flat = run(cube), zero = run(cube + "--roughness 0 --rough-size 0.1 --grain 0,4,0 --detail 5");
+    CHECK(zero["hash"] == flat["hash"]);
+    CHECK_FALSE(says(flat, "roughness"));
+    CHECK(flat["roughness"] == 0);
+    const auto rough = run(cube + "--roughness 1 --save-recipe " + recipe);
+    CHECK(rough["closed"] == true);
+    CHECK(rough["pieces"] == 12);
+    CHECK(rough["hash"] != flat["hash"]);
+    CHECK(rough["roughness"] == 1);
+    CHECK(rough["cap_triangles"].get<int>() > 5 * flat["cap_triangles"].get<int>());
+    CHECK(says(rough, "roughness  1, detail 1"));
+    CHECK(run("--recipe " + recipe)["hash"] == rough["hash"]);
+    CHECK(run("--recipe " + recipe + " --roughness 0")["hash"] == flat["hash"]);
+    for (const char* other : {"--detail 2", "--grain 0,4,0", "--rough-size 0.2", "--seed 2"})
+        CHECK(run(cube + "--roughness 1 " + other)["hash"] != rough["hash"]);
+
+    // Every value goes from the command line into a recipe and back.
+    const auto all =
+        run(cube + "--roughness 0.5 --rough-size 0.3 --grain 0,0,-2 --detail 3 --seed 9 --save-recipe " + recipe);
+    const auto saved = nlohmann::json::parse(read_text(recipe));
+    CHECK(saved["roughness"] == 0.5);
+    CHECK(saved["rough_size"] == 0.3);
+    CHECK(saved["grain"] == std::vector<double>{0, 0, -2});
+    CHECK(saved["detail"] == 3);
+    const auto again = run(recipe);
+    CHECK(again["hash"] == all["hash"]);
+    CHECK(again["recipe"] == all["recipe"]);
+}
+
+TEST_CASE("--material brings its roughness, which options override and the sequential algorithm leaves out") {
+    const Folder folder;
+    const auto run = [&](const std::string& options) {
+        const std::string report = folder / "report.json";
+        const Outcome outcome = run_brittle(folder, "fracture shape:cube -n 8 --material wood " + options + " -o "
+                                                        + (folder / "out.glb") + " --report " + report);
+        REQUIRE_MESSAGE(outcome.exit_code == 0, outcome.output);
+        return nlohmann::json::parse(read_text(report));
+    };
+    const auto wood = run(""), flat = run("--roughness 0");
+    CHECK(wood["roughness"] > 0);
+    CHECK(wood["hash"] != flat["hash"]);
+    CHECK(run("--detail 1 --grain 0,0,0")["hash"] != wood["hash"]);
+    CHECK(run("--axis 1,0,0 --grain 4,0,0")["hash"] == run("--axis 1,0,0")["hash"]);
+    CHECK(run("--algorithm sequential")["roughness"] == 0);
+    const Outcome refused =
+        run_brittle(folder, "fracture shape:cube --algorithm sequential --roughness 1 -o " + (folder / "x.glb"));
+    CHECK(refused.exit_code != 0);
+    CHECK(refused.has("roughness needs the exact algorithm"));
+}
+
 TEST_CASE("pieces are written in every format, with materials, hulls and one file per piece") {
     const Folder folder;
     const std::string crate = BRITTLE_CORPUS "/meshes/crate.glb";

@@ -17,13 +17,13 @@ using namespace brittle::tools::test;
 
 TEST_CASE("NaN, infinity and text are refused for every number, with limits as people write them") {
     const Folder folder;
-    const std::vector<std::string> options{"fracture:--jitter",     "fracture:--grading",     "fracture:--piece-size",
-                                           "fracture:--min-volume", "fracture:--scale-sites", "fracture:--density",
-                                           "fracture:--pieces",     "fracture:--seed",        "fracture:--threads",
-                                           "render:--strength",     "render:--min-size",      "render:--air-density",
-                                           "render:--height",       "render:--azimuth",       "render:--elevation",
-                                           "render:--distance",     "render:--explode",       "render:--frames",
-                                           "repair:--weld",         "repair:--close-holes",   "profile:--threshold"};
+    const std::vector<std::string> options{
+        "fracture:--jitter",      "fracture:--grading",   "fracture:--piece-size", "fracture:--min-volume",
+        "fracture:--scale-sites", "fracture:--density",   "fracture:--pieces",     "fracture:--seed",
+        "fracture:--threads",     "render:--strength",    "render:--min-size",     "render:--air-density",
+        "render:--height",        "render:--azimuth",     "render:--elevation",    "render:--distance",
+        "render:--explode",       "render:--frames",      "repair:--weld",         "repair:--close-holes",
+        "profile:--threshold",    "fracture:--roughness", "fracture:--rough-size", "fracture:--detail"};
     for (const std::string& option : options)
         for (const char* value : {"nan", "-nan", "inf", "-inf", "NAN(7)", "1e999", "", "three", "0x"}) {
             const size_t colon = option.find(':');
@@ -34,7 +34,7 @@ TEST_CASE("NaN, infinity and text are refused for every number, with limits as p
             CHECK(outcome.exit_code == 2);
             CHECK(outcome.has(name));
         }
-    for (const char* vector : {"--focus", "--axis", "--move-sites", "--turn-sites"})
+    for (const char* vector : {"--focus", "--axis", "--move-sites", "--turn-sites", "--grain"})
         for (const char* value : {"nan,0,0", "0,inf,0", "0,0,-nan"}) {
             const Outcome outcome =
                 run_brittle(folder, "fracture shape:cube -o " + (folder / "a.glb") + " " + vector + " " + value);
@@ -47,6 +47,10 @@ TEST_CASE("NaN, infinity and text are refused for every number, with limits as p
     };
     CHECK(message("-n 0").find("'0' is not a number from 1 to 1,000,000") != std::string::npos);
     CHECK(message("--jitter 1.5").find("'1.5' is not a number from 0 to 1") != std::string::npos);
+    CHECK(message("--roughness 1.5").find("'1.5' is not a number from 0 to 1") != std::string::npos);
+    CHECK(message("--detail 7").find("'7' is not a number from 1 to 6") != std::string::npos);
+    for (const char* grain : {"0,20,0", "0.01,0,0", "1e200,1e200,0"})
+        CHECK(message(std::string("--grain ") + grain).find("give a direction as long as") != std::string::npos);
     CHECK(message("--piece-size -1").find("'-1' is not a number above 0") != std::string::npos);
 }
 

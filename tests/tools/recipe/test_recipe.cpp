@@ -49,6 +49,7 @@ FractureOptions everything() {
     options.unite = true;
     options.algorithm = fracture::Algorithm::sequential;
     options.min_volume = 0.25;
+    options.rough = {.amount = 1.0 / 3.0, .wavelength = 0.1, .grain = {0.0, 1.0 / 7.0, 3.0}, .detail = 5};
     options.material = "wood";
     options.pattern = {.kind = fracture::PatternKind::curve,
                        .count = 33,
@@ -188,6 +189,68 @@ TEST_CASE("recipe: a material sets the pattern, and the pattern's own keys overr
     }
     says(R"({"brittle": 1, "material": "cheese"})",
          "/material: there is no material 'cheese'; the materials are: glass, stone");
+}
+
+TEST_CASE("recipe: a material brings grain and detail, and its roughness where it is chosen by hand") {
+    const Folder folder;
+    for (const physics::MaterialPreset& preset : physics::material_presets()) {
+        const std::string material(preset.name);
+        FractureOptions chosen;
+        chosen.rough.wavelength = 0.5;
+        use_material(material, chosen);
+        CHECK(chosen.rough.amount == preset.rough.amount);
+        CHECK(chosen.rough.grain == preset.rough.grain);
+        CHECK(chosen.rough.detail == preset.rough.detail);
+        CHECK(chosen.rough.wavelength == 0.5);
+        // Recipes written before roughness was there keep their flat cuts.
+        FractureOptions read;
+        read.rough.amount = 0.5;
+        read_recipe(folder.write("recipe.json", R"({"brittle": 1, "material": ")" + material + "\"}"), read);
+        CHECK(read.rough.is_flat());
+        CHECK(read.rough.detail == preset.rough.detail);
+        read_recipe(
+            folder.write("recipe.json", R"({"brittle": 1, "roughness": 0.25, "material": ")" + material + "\"}"), read);
+        CHECK(read.rough.amount == 0.25);
+        const auto json = nlohmann::json::parse(recipe_json(read));
+        CHECK(json["roughness"] == 0.25);
+        CHECK_FALSE(json.contains("detail"));
+        CHECK_FALSE(json.contains("grain"));
+    }
+}
+
+TEST_CASE("recipe: the grain of wood lies along the pattern's axis unless it is given") {
+    const Folder folder;
+    const auto read = [&](const std::string& keys) {
+        FractureOptions options;
+        read_recipe(folder.write("recipe.json", R"({"brittle": 1, "material": "wood")" + keys + "}"), options);
+        return options;
+    };
+    const auto along_x = read(R"(, "pattern": {"axis": [2, 0, 0]})");
+    CHECK(along_x.rough.grain == glm::dvec3(4.0, 0.0, 0.0));
+    CHECK_FALSE(nlohmann::json::parse(recipe_json(along_x)).contains("grain"));
+    const auto given = read(R"(, "pattern": {"axis": [2, 0, 0]}, "grain": [0, 0, 2])");
+    CHECK(given.rough.grain == glm::dvec3(0.0, 0.0, 2.0));
+    CHECK(read(R"(, "grain": [0, 0, 0])").rough.grain == glm::dvec3(0.0));
+    // A recipe with sites of its own holds no axis.
+    FractureOptions sites = along_x;
+    sites.points = {{{0.0, 0.0, 0.0}}, {{1.0, 0.0, 0.0}}};
+    for (const FractureOptions& options : {along_x, given, read(R"(, "grain": [0, 0, 0])"), sites}) {
+        FractureOptions again;
+        read_recipe(folder.write("recipe.json", recipe_json(options)), again);
+        CHECK(again.rough.grain == options.rough.grain);
+    }
+}
+
+TEST_CASE("recipe: blows have the roughness of the recipe, with its seed, in metres of the stage") {
+    FractureOptions options = everything();
+    options.strikes.clear();
+    const fracture::Roughness blows = world_of(options, 4.0).rough;
+    CHECK(blows.amount == options.rough.amount);
+    CHECK(blows.wavelength == 4.0 * options.rough.wavelength);
+    CHECK(blows.grain == options.rough.grain);
+    CHECK(blows.detail == options.rough.detail);
+    CHECK(blows.seed == options.pattern.seed);
+    CHECK(roughness_of(options).wavelength == options.rough.wavelength);
 }
 
 TEST_CASE("recipe: listed sites replace the pattern, and another pattern removes them") {
@@ -340,6 +403,14 @@ TEST_CASE("recipe: an unknown key or a bad value is named by its path, with what
     says(R"({"brittle": 1, "repair": "yes"})", "/repair: expected true or false");
     says(R"({"brittle": 1, "algorithm": "fast"})", "/algorithm: expected \"exact\" or \"sequential\"");
     says(R"({"brittle": 1, "min_volume": -1})", "/min_volume: expected a number");
+    says(R"({"brittle": 1, "roughness": 1.5})", "/roughness: expected a number from 0 to 1, found 1.5");
+    says(R"({"brittle": 1, "roughness": "high"})", "/roughness: expected a number");
+    says(R"({"brittle": 1, "rough_size": -0.1})", "/rough_size: expected a number");
+    says(R"({"brittle": 1, "detail": 7})", "/detail: expected a whole number from 1 to 6, found 7");
+    says(R"({"brittle": 1, "detail": 0})", "/detail: expected a whole number");
+    says(R"({"brittle": 1, "grain": [0, 1]})", "/grain: expected three numbers");
+    for (const char* grain : {"[0, 20, 0]", "[0.01, 0, 0]", "[1e200, 1e200, 0]", "[1e-300, 0, 0]"})
+        says(R"({"brittle": 1, "grain": )" + std::string(grain) + "}", "/grain: expected a direction as long as");
     says(R"({"mesh": "shape:cube"})", "/brittle: expected the recipe's version");
     says(R"({"brittle": 2})", "which is 1");
     says("[1]", "expected an object");

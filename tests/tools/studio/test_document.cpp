@@ -115,6 +115,42 @@ TEST_CASE("document: sites are weighted and grouped, undone by gestures, and cop
     for (const PlacedSite& site : points()) CHECK(site.group == 0);
 }
 
+TEST_CASE("document: roughness is set, undone by gestures, brought by a material, and keeps sites and strikes") {
+    Document document = with_sites();
+    document.apply(AddStrike{});
+    const auto rough = [&] { return document.recipe().rough; };
+    CHECK_FALSE(document.apply(SetRoughness{rough()}));
+    const uint64_t drag = document.begin_gesture();
+    for (int k = 1; k <= 5; ++k) document.apply(SetRoughness{{.amount = 0.1 * k, .wavelength = 0.25}}, drag);
+    CHECK(document.undo_name() == "change the roughness");
+    CHECK(rough().amount == 0.5);
+    CHECK(rough().wavelength == 0.25);
+    CHECK(sites(document) == three);
+    CHECK(document.recipe().strikes.size() == 1);
+    document.undo();
+    CHECK(rough().is_flat());
+    document.redo();
+    CHECK(rough().amount == 0.5);
+    document.apply(SetMaterial{"wood"});
+    CHECK(rough().grain == glm::dvec3(0.0, 4.0, 0.0));
+    CHECK(rough().wavelength == 0.25);
+    // The grain follows the pattern's axis until it is set by hand.
+    fracture::Pattern pattern = document.recipe().pattern;
+    pattern.axis = {0.0, 0.0, 1.0};
+    document.apply(SetPattern{pattern});
+    CHECK(rough().grain == glm::dvec3(0.0, 0.0, 4.0));
+    document.apply(SetRoughness{{.amount = 0.5, .grain = {2.0, 0.0, 0.0}}});
+    pattern.axis = {0.0, 1.0, 0.0};
+    document.apply(SetPattern{pattern});
+    CHECK(rough().grain == glm::dvec3(2.0, 0.0, 0.0));
+    document.undo();
+    document.undo();
+    CHECK(rough().grain == glm::dvec3(0.0, 0.0, 4.0));
+    document.apply(SetMaterial{"glass"});
+    CHECK(rough().is_flat());
+    CHECK(rough().grain == glm::dvec3(0.0));
+}
+
 TEST_CASE("document: anchors are added, removed by index, undone by strokes, and removed with the mesh") {
     Document document(plain());
     const uint64_t stroke = document.begin_gesture();

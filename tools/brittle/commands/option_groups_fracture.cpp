@@ -1,6 +1,10 @@
 // The options of FractureOptions: mesh, recipe, pattern, sites and algorithm.
 #include <algorithm>
+#include <cstdio>
+#include <string>
 #include <vector>
+
+#include <glm/geometric.hpp>
 
 #include "fracture/io/import.h"
 #include "fracture/shapes/shapes.h"
@@ -111,17 +115,18 @@ void add_pattern_options(CLI::App& command, FractureOptions& options) {
         command.add_flag("--inside", pattern.inside,
                          "Place sites inside the solid only, so that each site makes a piece: the default of "
                          "the patterns uniform and clustered");
-    auto* in_box = command
-                       .add_flag_callback(
-                           "--sites-in-box", [&pattern] { pattern.inside = false; },
-                           "Place sites in the whole box of the mesh, as the paper does. Those outside the solid may "
-                           "give no piece.")
-                       ->excludes(inside);
-    command.parse_complete_callback([&command, &pattern, inside, in_box] {
-        const bool is_random =
-            pattern.kind == fracture::PatternKind::uniform || pattern.kind == fracture::PatternKind::clustered;
-        if (inside->count() == 0 && in_box->count() == 0 && is_random && !names_recipe(command)) pattern.inside = true;
-    });
+    command
+        .add_flag_callback(
+            "--sites-in-box", [&pattern] { pattern.inside = false; },
+            "Place sites in the whole box of the mesh, as the paper does. Those outside the solid may give no piece.")
+        ->excludes(inside);
+}
+
+void place_inside_by_default(const CLI::App& command, fracture::Pattern& pattern) {
+    const bool is_random =
+        pattern.kind == fracture::PatternKind::uniform || pattern.kind == fracture::PatternKind::clustered;
+    if (command.count("--inside") == 0 && command.count("--sites-in-box") == 0 && is_random && !names_recipe(command))
+        pattern.inside = true;
 }
 
 void add_site_options(CLI::App& command, FractureOptions& options) {
@@ -157,6 +162,56 @@ void add_site_options(CLI::App& command, FractureOptions& options) {
             "Break only the part of the mesh within RADIUS of a point, metres. The rest stays one piece. May be given "
             "several times.")
         ->type_name("X,Y,Z,RADIUS");
+}
+
+glm::dvec3 parse_grain(const std::vector<double>& v) {
+    const glm::dvec3 grain(v[0], v[1], v[2]);
+    const double stretch = glm::length(grain);
+    if (stretch == 0.0 || (stretch >= min_stretch && stretch <= max_stretch)) return grain;
+    char text[160];
+    std::snprintf(
+        text, sizeof text,
+        "'%g,%g,%g' has the length %g; give a direction as long as the factor of its stretch, from 1/16 to 16, "
+        "or 0,0,0",
+        grain.x, grain.y, grain.z, stretch);
+    throw CLI::ValidationError("--grain", text);
+}
+
+// These come after --material, whose roughness they override.
+void add_roughness_options(CLI::App& command, FractureOptions& options) {
+    fracture::Roughness& rough = options.rough;
+    command
+        .add_option("--roughness", rough.amount,
+                    "Roughness of the cuts, those of blows included: from 0 (flat) to 1. The default is that of "
+                    "--material; 0 without one.")
+        ->check(number_from(0.0, 1.0));
+    command
+        .add_option("--rough-size", rough.wavelength,
+                    "Size of the largest bumps of rough cuts, metres. The default, 0, is the typical distance of "
+                    "adjacent sites.")
+        ->check(non_negative_number());
+    command
+        .add_option_function<std::vector<double>>(
+            "--grain", [&rough](const std::vector<double>& v) { rough.grain = parse_grain(v); },
+            "Direction of the grain of rough cuts. Its length, 1/16 to 16, stretches their bumps along it: 4 for "
+            "the splinters of wood, 0.25 for the layers of slate.")
+        ->expected(3)
+        ->delimiter(',')
+        ->check(finite_number())
+        ->type_name("X,Y,Z");
+    command
+        .add_option("--detail", rough.detail,
+                    "Octaves of rough cuts, each with bumps of half the size. One more makes four times as many "
+                    "triangles. The default is that of --material; 1 without one.")
+        ->check(number_from(1, max_detail));
+}
+
+// The grain of a material follows the pattern's axis. The sequential algorithm makes flat cuts only.
+void adapt_roughness_of_material(const CLI::App& command, FractureOptions& options) {
+    if (command.count("--material") == 0) return;
+    if (command.count("--grain") == 0) options.rough.grain = grain_of_material(options, options.pattern.axis);
+    if (command.count("--roughness") == 0 && options.algorithm == fracture::Algorithm::sequential)
+        options.rough.amount = 0.0;
 }
 
 void add_algorithm_options(CLI::App& command, FractureOptions& options) {
@@ -199,7 +254,12 @@ void add_fracture_options(CLI::App& command, FractureOptions& options) {
     add_mesh_options(command, options);
     add_pattern_options(command, options);
     add_site_options(command, options);
+    add_roughness_options(command, options);
     add_algorithm_options(command, options);
+    command.parse_complete_callback([&command, &options] {
+        place_inside_by_default(command, options.pattern);
+        adapt_roughness_of_material(command, options);
+    });
 }
 
 } // namespace brittle::tools

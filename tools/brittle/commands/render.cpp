@@ -114,14 +114,14 @@ void draw_frames(Film& film, Stage& stage, uint32_t frames) {
 
 int run_render(const RenderCommand& command) {
     const PictureOptions& picture = command.fracture.picture;
-    const WorldOptions world = world_of(command.fracture);
     const FilmOptions film_options{
         .output = command.output, .ids = command.ids, .every = command.every, .video = command.video};
     check_film(film_options);
     check_run(command);
     catch_interrupts();
     const bool exports = !command.pieces.files.output.empty();
-    const Input source = load_input(command.fracture, exports), input = placed_on_stage(source, world);
+    const Input source = load_input(command.fracture, exports), input = placed_on_stage(source, command.fracture.world);
+    const WorldOptions world = world_of(command.fracture, input.scale);
     warn_of_idle_options(command, input, world);
     const std::unique_ptr<engine::Device> device = open_device(command.view);
     const auto renderer = must(engine::Renderer::create(*device, film_settings(command.view)));

@@ -30,6 +30,7 @@ struct Run {
     const ReplayLog& log;
     const Input& source; // mesh in the coordinates of its file
     std::shared_ptr<const fracture::Fragments> fragments;
+    WorldOptions world;
 };
 
 // Writes the pieces, unless the run differed from the log.
@@ -46,7 +47,7 @@ void replay(const Run& run, Player& player) {
     Simulation simulation(run.log.recipe.material);
     simulation.observe(&player);
     follow(run.log, simulation);
-    simulation.start(*run.fragments, world_of(run.log.recipe));
+    simulation.start(*run.fragments, run.world);
     if (player.difference()) return;
     schedule(run.log, simulation);
     run_steps(simulation, player, run.log.states.size());
@@ -63,7 +64,7 @@ void draw(const Run& run, Player& player, const Input& input) {
     Stage stage(*renderer, input.model.mesh, log.recipe.material);
     stage.simulation().observe(&player);
     follow(log, stage.simulation());
-    stage.stand(*run.fragments, world_of(log.recipe));
+    stage.stand(*run.fragments, run.world);
     if (player.difference()) return;
     schedule(log, stage.simulation());
     Film film(*renderer, {.output = command.pictures, .every = command.every, .video = command.video},
@@ -91,7 +92,8 @@ int run_replay(const ReplayCommand& command) {
     const Input source = load_input(log.recipe, !command.pieces.files.output.empty());
     const Input input = placed_on_stage(source, log.recipe.world);
     const Run run{command, log, source,
-                  std::make_shared<const fracture::Fragments>(break_input(input, log.recipe).fragments)};
+                  std::make_shared<const fracture::Fragments>(break_input(input, log.recipe).fragments),
+                  world_of(log.recipe, input.scale)};
     Player player(log);
     if (command.pictures.empty() && command.video.empty())
         replay(run, player);

@@ -54,6 +54,12 @@ std::string report_text(const Input& input, const Broken& broken) {
     text += format("  smallest   %.3g of the volume\n", c.smallest_piece / c.volume_input);
     text +=
         format("  triangles  %" PRIu64 " out, %" PRIu64 " of them on cut faces\n", c.triangles_out, c.cap_triangles);
+    if (!broken.rough.is_flat())
+        text += format("  roughness  %.3g, detail %u: cut faces have more triangles than flat ones\n",
+                       broken.rough.amount, broken.rough.detail);
+    if (broken.fragments.crossings > 0)
+        text += format("  crossings  %u triangles of rough cuts cross their piece; choose less --roughness\n",
+                       broken.fragments.crossings);
     text += format("  time       %.1f ms", broken.milliseconds);
     for (const fracture::Milliseconds& t : broken.fragments.timings) {
         text += format(", %s %.1f", t.phase.c_str(), t.milliseconds);
@@ -71,6 +77,8 @@ std::string report_json(const Input& input, const Broken& broken, const std::str
     nlohmann::ordered_json report{{"mesh", input.name}, {"sites", input.sites.size()}};
     report.update(nlohmann::ordered_json::parse(fracture::certificate_json(c)));
     report["islands"] = c.pieces - c.cells;
+    report["roughness"] = broken.rough.amount;
+    report["crossings"] = broken.fragments.crossings;
     report["milliseconds"] = milliseconds;
     report["recipe"] = nlohmann::ordered_json::parse(recipe);
     return text_of(report, 2) + "\n";

@@ -12,7 +12,8 @@ namespace brittle::tools {
 
 // Returns an object with the keys mesh, cells, pieces, islands (pieces beyond the first of their cell), closed,
 // open_pieces, negative_pieces, volume_input, volume_sum, volume_error, smallest_piece, triangles_in, triangles_out,
-// cap_triangles, milliseconds {phase: number, ..., total}, hash (16 hexadecimal digits), recipe.
+// cap_triangles (more with roughness), roughness (0 for flat cuts), crossings (triangles of rough cuts that cross
+// their piece), milliseconds {phase: number, ..., total}, hash (16 hexadecimal digits), recipe.
 [[nodiscard]] std::string report_json(const Input& input, const Broken& broken, const std::string& recipe);
 
 } // namespace brittle::tools

@@ -105,9 +105,17 @@ SiteSet sites_of_file(const FractureOptions& options, const fracture::TriangleMe
 
 } // namespace
 
-WorldOptions world_of(const FractureOptions& options) {
+fracture::Roughness roughness_of(const FractureOptions& options, double scale) {
+    fracture::Roughness rough = options.rough;
+    rough.wavelength *= scale;
+    rough.seed = options.pattern.seed;
+    return rough;
+}
+
+WorldOptions world_of(const FractureOptions& options, double scale) {
     WorldOptions world = options.world;
     world.seed = options.pattern.seed;
+    world.rough = roughness_of(options, scale);
     // If the pattern has already cut the mesh, or the recipe lists sites, blows break by the material. Strikes override
     // sites.
     const bool given = options.strikes.empty();
@@ -177,6 +185,16 @@ void use_material(const std::string& name, FractureOptions& options) {
     options.pattern.axis = preset->pattern.axis;
     options.pattern.spread = preset->pattern.spread;
     options.pattern.slenderness = preset->pattern.slenderness;
+    options.rough.amount = preset->rough.amount;
+    options.rough.grain = preset->rough.grain;
+    options.rough.detail = preset->rough.detail;
+}
+
+glm::dvec3 grain_of_material(const FractureOptions& options, const glm::dvec3& axis) {
+    const physics::MaterialPreset* preset = physics::material_preset(options.material);
+    if (!preset) return glm::dvec3(0.0);
+    const double stretch = glm::length(preset->rough.grain), length = glm::length(axis);
+    return stretch > 0.0 && length > 0.0 ? stretch / length * axis : preset->rough.grain;
 }
 
 void prepare_mesh(const FractureOptions& options, Input& input) {
@@ -243,6 +261,7 @@ namespace {
 fracture::Result<fracture::Fragments> uncut(const Input& input, fracture::Settings settings) {
     settings.groups = {};
     settings.weights = {};
+    settings.rough = {};
     settings.classifier = nullptr;
     const glm::dvec3 site = fracture::bounds(input.model.mesh).centre();
     return fracture::fracture(input.model.mesh, {&site, 1}, settings);
@@ -258,6 +277,7 @@ Broken break_input(const Input& input, const FractureOptions& options, const std
                                       .groups = input.groups,
                                       .weights = input.weights,
                                       .min_volume = options.min_volume,
+                                      .rough = roughness_of(options, input.scale),
                                       .classifier = classifier,
                                       .work_log = work_log,
                                       .progress = progress,
@@ -267,6 +287,7 @@ Broken break_input(const Input& input, const FractureOptions& options, const std
     broken.fragments = must(starts_whole(options.world) ? uncut(input, settings)
                                                         : fracture::fracture(input.model.mesh, input.sites, settings));
     broken.milliseconds = stopwatch.milliseconds();
+    if (!starts_whole(options.world)) broken.rough = settings.rough;
     broken.certificate = fracture::certify(input.model.mesh, broken.fragments);
     const fracture::Certificate& c = broken.certificate;
     if (c.pieces == 0 || c.negative_pieces > 0 || c.volume_error > fracture::max_volume_error)

@@ -40,15 +40,26 @@ struct FractureOptions {
     bool unite = false;                  // --unite: fracture::unite() after that, with a report
     fracture::Algorithm algorithm = fracture::Algorithm::exact;
     double min_volume = 0.0; // --min-volume, m^3: a smaller piece is merged with a neighbour
-    uint32_t threads = 0;    // 0: one per core
-    PictureOptions picture;  // contents of the pictures of `brittle render`
-    WorldOptions world;      // physics; world_of() sets its seed and blows
+    // --roughness, --rough-size, --grain, --detail; in metres of the file. roughness_of() sets its seed.
+    fracture::Roughness rough;
+    uint32_t threads = 0;   // 0: one per core
+    PictureOptions picture; // contents of the pictures of `brittle render`
+    WorldOptions world;     // physics; world_of() sets its seed and blows
 };
+
+// Limits of FractureOptions::rough, those of fracture().
+inline constexpr double min_stretch = 1.0 / 16.0, max_stretch = 16.0; // length of a grain; 0 stands for no grain
+inline constexpr uint32_t max_detail = 6;                             // octaves
+inline constexpr double max_rough_size = 1e30;                        // m
+
+// Returns the roughness of the cuts, with the pattern's seed. `scale`: metres of the mesh per metre of the file.
+[[nodiscard]] fracture::Roughness roughness_of(const FractureOptions& options, double scale = 1.0);
 
 // Returns the world of the options, with the pattern's seed as the seed of blows: equal seeds give equal cuts. In a
 // world that starts whole, blows cut by the kind of the pattern (grid, slices, curve and curvature count as
-// uniform) or along the diagram of sites_file, which is read here. Throws a Failure if that file cannot be read.
-[[nodiscard]] WorldOptions world_of(const FractureOptions& options);
+// uniform) or along the diagram of sites_file, which is read here. `scale`: metres of the stage per metre of the file,
+// for the roughness of blows. Throws a Failure if that file cannot be read.
+[[nodiscard]] WorldOptions world_of(const FractureOptions& options, double scale = 1.0);
 
 // A mesh and the sites to break it by.
 struct Input {
@@ -57,12 +68,14 @@ struct Input {
     std::vector<glm::dvec3> sites;
     std::vector<uint32_t> groups; // group of each site; or empty
     std::vector<double> weights;  // weight of each site, m^2; or empty
+    double scale = 1.0;           // metres of this mesh per metre of the file; placed_on_stage() sets it
     double import_milliseconds = 0.0;
 };
 
 struct Broken {
     fracture::Fragments fragments;
     fracture::Certificate certificate;
+    fracture::Roughness rough; // of the cuts; flat where nothing was cut
     double milliseconds = 0.0; // duration of the fracture, without the certificate
 };
 
@@ -84,9 +97,12 @@ struct SiteSet {
 // materials and textures.
 [[nodiscard]] Input load_input(const FractureOptions& options, bool with_looks = false);
 
-// Sets the material and copies the kind and shape of its fracture pattern; count, seed and the rest of the pattern
-// stay. Throws a Failure with exit_usage that lists the presets if the name is unknown.
+// Sets the material and copies the kind and shape of its fracture pattern, and its roughness except for the size; count,
+// seed and the rest of the pattern stay. Throws a Failure with exit_usage that lists the presets if the name is unknown.
 void use_material(const std::string& name, FractureOptions& options);
+
+// Returns the grain of the options' material along an axis; zero for a material without one.
+[[nodiscard]] glm::dvec3 grain_of_material(const FractureOptions& options, const glm::dvec3& axis);
 
 // Loads the mesh alone, without repair or checks.
 [[nodiscard]] Input load_mesh_only(const std::string& mesh, bool with_looks = false);

@@ -161,6 +161,14 @@ Json picture_json(const PictureOptions& picture) {
     return json;
 }
 
+// Adds the values that differ from the plain roughness, with which reading starts.
+void add_roughness(const fracture::Roughness& rough, const fracture::Roughness& plain, Json& recipe) {
+    if (rough.amount > 0.0) recipe["roughness"] = rough.amount;
+    if (rough.wavelength > 0.0) recipe["rough_size"] = rough.wavelength;
+    if (rough.grain != plain.grain) recipe["grain"] = vector_json(rough.grain);
+    if (rough.detail != plain.detail) recipe["detail"] = rough.detail;
+}
+
 Json recipe_object(const FractureOptions& options) {
     Json recipe{{"brittle", version}, {"mesh", options.mesh}};
     if (!options.material.empty()) recipe["material"] = options.material;
@@ -174,6 +182,8 @@ Json recipe_object(const FractureOptions& options) {
     if (!options.strikes.empty()) recipe["strikes"] = strikes_json(options.strikes);
     recipe["algorithm"] = fracture::to_string(options.algorithm);
     if (options.min_volume > 0.0) recipe["min_volume"] = options.min_volume;
+    if (by_pattern) plain.rough.grain = grain_of_material(plain, options.pattern.axis);
+    add_roughness(options.rough, plain.rough, recipe);
     if (const Json world = world_json(options.world); !world.empty()) recipe["world"] = world;
     if (const Json picture = picture_json(options.picture); !picture.empty()) recipe["picture"] = picture;
     return recipe;
@@ -415,6 +425,20 @@ void read_picture(JsonReader& reader, PictureOptions& picture) {
     number("distance", picture.distance, 0.1, 10.0);
 }
 
+// Precondition: material and pattern are read, whose grain holds where the recipe gives none.
+void read_roughness(JsonReader& reader, FractureOptions& options) {
+    fracture::Roughness& rough = options.rough;
+    reader.number("roughness", rough.amount, 0.0, 1.0);
+    reader.number("rough_size", rough.wavelength, 0.0, max_rough_size);
+    reader.whole("detail", rough.detail, 1, max_detail);
+    const Json* grain = reader.find("grain");
+    if (!grain) return;
+    reader.vector("grain", rough.grain);
+    const double stretch = glm::length(rough.grain);
+    if (stretch != 0.0 && !(stretch >= min_stretch && stretch <= max_stretch))
+        reader.fail("grain", "a direction as long as the factor of its stretch, from 1/16 to 16, or [0, 0, 0]", *grain);
+}
+
 } // namespace
 
 std::string recipe_json(const FractureOptions& options) {
@@ -450,12 +474,14 @@ void read_recipe(const std::filesystem::path& file, const Json& json, const std:
         } catch (const Failure& failure) {
             throw reader.failure("material", failure.what());
         }
+        options.rough.amount = 0.0; // a recipe is rough only where it says so; older ones keep their pieces
     }
     if (const Json* pattern = reader.find("pattern")) {
         JsonReader inner(file, *pattern, path + "/pattern");
         read_pattern(inner, options);
         inner.refuse_unknown_keys();
         from_here(options.sites_file);
+        if (!material.empty()) options.rough.grain = grain_of_material(options, options.pattern.axis);
     }
     read_strikes(file, reader, options.strikes);
     if (const Json* world = reader.find("world")) {
@@ -474,6 +500,7 @@ void read_recipe(const std::filesystem::path& file, const Json& json, const std:
         throw reader.failure("algorithm", "expected \"exact\" or \"sequential\", found " + shown(algorithm));
     options.algorithm = algorithm == "exact" ? fracture::Algorithm::exact : fracture::Algorithm::sequential;
     reader.number("min_volume", options.min_volume, 0.0, 1e90);
+    read_roughness(reader, options);
     reader.refuse_unknown_keys();
 }
 

@@ -8,6 +8,7 @@
 
 #include <glm/vec3.hpp>
 
+#include "fracture/settings.h"
 #include "fracture/sites/pattern.h"
 #include "physics/cutting/running_bond.h"
 #include "physics/world/world.h"
@@ -88,6 +89,7 @@ struct WorldOptions {
     uint32_t piece_limit = 2000;
     std::vector<Anchor> anchors{};      // fixed balls; bonded, unless breakable
     uint64_t seed = 1;                  // seed of the cuts of blows; set by world_of()
+    fracture::Roughness rough{};        // of the cuts of blows, in metres of the stage; set by world_of()
     std::optional<BlowPattern> blows{}; // set by world_of(); empty: as the material breaks
     std::vector<Shot> shots{};
     std::vector<JointOptions> joints{};

@@ -79,6 +79,7 @@ physics::BreakableDesc breakable_desc(const fracture::Fragments& fragments, cons
     desc.solid.material = flawed_material(preset, options);
     desc.solid.blocks.strength_scale /= physics::flawed_strength; // as WearSettings::strength_scale
     desc.solid.min_size = options.min_size;
+    desc.solid.rough = options.rough;
     desc.payload = payload;
     desc.pattern.seed = options.seed;
     if (options.blows) {

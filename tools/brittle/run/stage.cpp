@@ -57,6 +57,7 @@ Input placed_on_stage(Input input, const WorldOptions& world) {
     for (glm::dvec3& p : input.model.mesh.positions) p = placement.to_stage(p);
     for (glm::dvec3& site : input.sites) site = placement.to_stage(site);
     for (double& weight : input.weights) weight *= placement.scale * placement.scale;
+    input.scale *= placement.scale;
     return input;
 }
 

@@ -64,11 +64,14 @@ struct Applier {
         use_material(edit.name, recipe);
     }
     void operator()(const SetPattern& edit) const {
+        if (recipe.rough.grain == grain_of_material(recipe, recipe.pattern.axis))
+            recipe.rough.grain = grain_of_material(recipe, edit.pattern.axis);
         recipe.pattern = edit.pattern;
         recipe.sites_file.clear();
         recipe.points.clear();
         recipe.strikes.clear();
     }
+    void operator()(const SetRoughness& edit) const { recipe.rough = edit.rough; }
     void operator()(const SetWorld& edit) const { recipe.world = edit.world; }
     void operator()(const SetSites& edit) const {
         recipe.points = edit.sites;
@@ -135,15 +138,10 @@ struct Applier {
 
 std::string_view name_of(const Edit& edit) {
     static constexpr std::array<std::string_view, std::variant_size_v<Edit>> names{
-        "open a mesh",         "unite parts",
-        "change the material", "change the pattern",
-        "change the world",    "set the sites",
-        "place a site",        "move sites",
-        "delete sites",        "set weights of sites",
-        "group sites",         "duplicate sites",
-        "mirror sites",        "anchor",
-        "remove anchors",      "strike",
-        "remove strikes",      "open a recipe"};
+        "open a mesh",          "unite parts",   "change the material", "change the pattern", "change the roughness",
+        "change the world",     "set the sites", "place a site",        "move sites",         "delete sites",
+        "set weights of sites", "group sites",   "duplicate sites",     "mirror sites",       "anchor",
+        "remove anchors",       "strike",        "remove strikes",      "open a recipe"};
     return names[edit.index()];
 }
 

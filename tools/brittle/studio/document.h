@@ -33,10 +33,13 @@ struct SetUnite {
     bool unite = false; // parts that pass through each other
 };
 struct SetMaterial {
-    std::string name; // name of a preset, or empty; also sets the preset's fracture pattern
+    std::string name; // name of a preset, or empty; also sets the preset's fracture pattern and roughness
 };
 struct SetPattern {
     fracture::Pattern pattern; // replaces sites that were placed by hand or read from a file
+};
+struct SetRoughness {
+    fracture::Roughness rough; // in metres of the file; its seed is ignored
 };
 struct SetWorld {
     WorldOptions world;
@@ -91,8 +94,8 @@ struct SetRecipe {
     FractureOptions recipe;
 };
 
-using Edit = std::variant<SetMesh, SetUnite, SetMaterial, SetPattern, SetWorld, SetSites, AddSite, MoveSites,
-                          RemoveSites, SetSiteWeight, SetSiteGroup, DuplicateSites, MirrorSites, AddAnchor,
+using Edit = std::variant<SetMesh, SetUnite, SetMaterial, SetPattern, SetRoughness, SetWorld, SetSites, AddSite,
+                          MoveSites, RemoveSites, SetSiteWeight, SetSiteGroup, DuplicateSites, MirrorSites, AddAnchor,
                           RemoveAnchors, AddStrike, ClearStrikes, SetRecipe>;
 
 // Returns the name of an edit for menus and messages, e.g. "move sites".

@@ -44,7 +44,7 @@ void Foresight::stand(const std::shared_ptr<const Object>& object, const Fractur
     options.world.shots.clear();
     fragments_ = break_input(object->with_sites(options), options, {}, nullptr, cancelled).fragments;
     auto simulation = std::make_unique<Simulation>(options.material);
-    simulation->start(fragments_, world_of(options));
+    simulation->start(fragments_, world_of(options, object->scale()));
     simulation_ = std::move(simulation);
     object_ = object;
     version_ = version;

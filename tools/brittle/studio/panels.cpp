@@ -175,6 +175,7 @@ void Panels::left_column(const PanelState& state, const Layout& layout) {
     if (alone) tool_panel(state, 0.0f);
     pattern_panel(state);
     material_panel(state);
+    cuts_panel(state);
     if (alone) {
         simulation_panel(state);
         view_panel(state);

@@ -78,6 +78,7 @@ class Panels {
     void object_panel(const PanelState& state);
     void pattern_panel(const PanelState& state);
     void material_panel(const PanelState& state);
+    void cuts_panel(const PanelState& state);
     void tool_panel(const PanelState& state, float rows); // at least this many rows high
     void site_tools(const PanelState& state);
     void selected_sites(Session& session);

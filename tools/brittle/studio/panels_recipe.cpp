@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <string>
 
+#include <glm/geometric.hpp>
 #include <imgui.h>
 
 #include "fracture/shapes/shapes.h"
@@ -218,6 +219,79 @@ void Panels::material_panel(const PanelState& state) {
     std::snprintf(text, sizeof text, "%.0f kg/m\xc2\xb3, tensile %.0f MPa", static_cast<double>(material.density),
                   static_cast<double>(material.tensile) * 1e-6);
     explain(text);
+}
+
+namespace {
+
+// The axes that the menu of the grain offers.
+constexpr std::array grain_axes = {glm::dvec3(1.0, 0.0, 0.0), glm::dvec3(0.0, 1.0, 0.0), glm::dvec3(0.0, 0.0, 1.0)};
+constexpr std::array grain_names = {"along X", "along Y", "along Z"};
+constexpr double wood_stretch = 4.0; // of a grain that is chosen where there was none
+
+bool grain_menu(glm::dvec3& grain) {
+    const double stretch = glm::length(grain);
+    const auto lies_along = [&](size_t k) { return stretch > 0.0 && grain == stretch * grain_axes[k]; };
+    const char* shown = stretch == 0.0 ? "none" : "oblique";
+    for (size_t k = 0; k < grain_axes.size(); ++k)
+        if (lies_along(k)) shown = grain_names[k];
+    control("Grain", "Direction along which the bumps are stretched, as the fibres of wood");
+    if (!ImGui::BeginCombo("##Grain", shown)) return false;
+    bool changed = false;
+    const auto choice = [&](const char* name, bool chosen, const glm::dvec3& value) {
+        if (!ImGui::Selectable(name, chosen)) return;
+        grain = value;
+        changed = true;
+    };
+    choice("none", stretch == 0.0, glm::dvec3(0.0));
+    for (size_t k = 0; k < grain_axes.size(); ++k)
+        choice(grain_names[k], lies_along(k), (stretch > 0.0 ? stretch : wood_stretch) * grain_axes[k]);
+    ImGui::EndCombo();
+    return changed;
+}
+
+bool grain_stretch(glm::dvec3& grain) {
+    const double stretch = glm::length(grain);
+    if (stretch == 0.0) return false;
+    control("Stretch", "Length of the bumps along the grain by their width: 4 for wood, 0.25 for the layers of slate");
+    auto shown = static_cast<float>(stretch);
+    if (!slider("##Stretch", shown, static_cast<float>(min_stretch), static_cast<float>(max_stretch), "%.2f",
+                ImGuiSliderFlags_Logarithmic))
+        return false;
+    const double length = std::clamp(static_cast<double>(shown), min_stretch, max_stretch);
+    grain *= length / stretch;
+    return true;
+}
+
+} // namespace
+
+void Panels::cuts_panel(const PanelState& state) {
+    if (!begin_panel("Cuts")) return;
+    Session& session = state.session;
+    fracture::Roughness rough = session.recipe().rough;
+    bool changed = named_slider("Roughness",
+                                "From 0, flat cuts, to 1. Materials bring their own. The preview shows fewer details "
+                                "while the mouse is held.",
+                                rough.amount, 0.0, 1.0, rough.is_flat() ? "flat" : "%.2f");
+    if (rough.is_flat()) {
+        if (changed) edit(session, SetRoughness{rough});
+        return;
+    }
+    const glm::dvec3 size = fracture::bounds(session.object().file().model.mesh).size();
+    changed |=
+        named_slider("Bump size", "Size of the largest bumps; automatic: as large as the pieces", rough.wavelength, 0.0,
+                     std::max({size.x, size.y, size.z}), rough.wavelength > 0.0 ? "%.3g m" : "automatic");
+    if (ImGui::TreeNode("More about cuts")) {
+        control("Detail", "Octaves, each with bumps of half the size. One more makes four times as many triangles.");
+        auto detail = static_cast<int>(rough.detail);
+        if (slider("##Detail", detail, 1, static_cast<int>(max_detail), "%d")) {
+            rough.detail = static_cast<uint32_t>(detail);
+            changed = true;
+        }
+        changed |= grain_menu(rough.grain);
+        changed |= grain_stretch(rough.grain);
+        ImGui::TreePop();
+    }
+    if (changed) edit(session, SetRoughness{rough});
 }
 
 } // namespace brittle::tools

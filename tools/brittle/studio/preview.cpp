@@ -15,6 +15,7 @@ namespace {
 
 constexpr float crack_lift = 0.004f; // m above the surface, so that the surface does not hide them
 constexpr uint32_t crack_colour = engine::srgb8(52, 34, 28);
+constexpr uint64_t max_coarse_triangles = 30'000; // that the roughness of a coarse preview adds, about
 constexpr glm::vec3 falling_tint{1.5f, 0.42f, 0.12f};
 
 // The edges between exterior and interior triangles of a piece. Each piece is closed, so an edge of an interior triangle
@@ -78,6 +79,15 @@ engine::PieceBatch batch_of(const Cracked& cracked) {
     return must(engine::PieceBatch::create(meshes));
 }
 
+// A coarse preview shows the largest bumps alone.
+fracture::Roughness shown_roughness(const PreviewRequest& request) {
+    fracture::Roughness rough = roughness_of(request.recipe, request.object->scale());
+    if (!request.coarse) return rough;
+    rough.detail = 1;
+    rough.max_triangles = max_coarse_triangles;
+    return rough;
+}
+
 } // namespace
 
 void Preview::request(PreviewRequest request) {
@@ -110,6 +120,7 @@ void Preview::fracture(const PreviewRequest& request, const Worker::Cancelled& c
                                       .groups = set.groups,
                                       .weights = set.weights,
                                       .min_volume = recipe.min_volume,
+                                      .rough = shown_roughness(request),
                                       .cancelled = cancelled};
     const Stopwatch stopwatch;
     must(fracture::fracture(mesh, set.sites, settings, workspace_, made.fragments));

@@ -30,6 +30,7 @@ struct PreviewRequest {
     // A planned cut of the piece `piece`; object and recipe are then ignored.
     std::optional<physics::PlannedCut> cut{};
     std::optional<uint32_t> piece{};
+    bool coarse = false;  // rough cuts with few triangles
     uint64_t version = 0; // version of the recipe, by which a simulation made for an earlier `blow` is used again
     uint64_t key = 0;     // key chosen by the caller to identify the request
 };

@@ -28,6 +28,7 @@ bool same_sites(const FractureOptions& a, const FractureOptions& b) {
         only.fit_sites = options.fit_sites;
         only.sites_placement = options.sites_placement;
         only.min_volume = options.min_volume;
+        only.rough = options.rough;
         only.algorithm = options.algorithm;
         return recipe_json(only);
     };
@@ -243,7 +244,7 @@ void Session::start_breaking(const WorldOptions& world) {
     options.world = world;
     activity_.start("breaking " + object_->name(), [this, object = object_, options,
                                                     stage = stages_](const Worker::Cancelled& cancelled) {
-        const WorldOptions stands = world_of(options);
+        const WorldOptions stands = world_of(options, object->scale());
         const Input input = object->with_sites(options);
         auto made = std::make_shared<Broken>(break_input(
             input, options, [this](double share) { activity_.set_share(share); }, classifier_, cancelled));

@@ -54,13 +54,16 @@ void StagePreview::update() {
         return;
     }
     const Document& document = session_.document();
-    const Request request{document.version(), &session_.object(), aimed_strike_, aimed_blow_};
+    Request request{document.version(), &session_.object(), aimed_strike_, aimed_blow_};
+    if (asked_) request.coarse = asked_->coarse;
+    request.coarse = !session_.recipe().rough.is_flat() && held && (request.coarse || asked_ != request);
     if (asked_ != request) {
         asked_ = request;
         preview_.request({.object = session_.shared_object(),
                           .recipe = session_.recipe(),
                           .ghost = aimed_strike_,
                           .blow = aimed_blow_,
+                          .coarse = request.coarse,
                           .version = document.version(),
                           .key = ++key_});
     }

@@ -57,6 +57,8 @@ class StagePreview {
     void add_cracks_ahead(std::vector<engine::LineVertex>& lines) const;
 
     bool wanted = false; // shown for the tool in use, whatever the view's settings
+    // A mouse button is down. Changes then ask for coarse previews, and the release for a fine one.
+    bool held = false;
 
   private:
     // The content of a request for the whole mesh.
@@ -65,6 +67,7 @@ class StagePreview {
         const Object* object;
         std::optional<Strike> strike;
         std::optional<AimedBlow> blow;
+        bool coarse = false;
 
         friend bool operator==(const Request&, const Request&) = default;
     };

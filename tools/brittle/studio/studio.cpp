@@ -125,6 +125,7 @@ void Studio::handle(const engine::Input& input, double seconds) {
     }
     const bool free = !renderer_.ui_wants_mouse() && !dialog_.is_open() && !panels_.export_open;
     tools_.handle(input, viewport(), free, session_, navigation_);
+    session_.preview().held = ImGui::IsAnyMouseDown();
     if (tools_.right_held()) fly(seconds);
 }
 
