@@ -71,6 +71,41 @@ void check_interior_uv(const Sites& sites, const Fragments& f) {
 
 } // namespace
 
+TEST_CASE("attributes: a triangle without area has weights along its longest side") {
+    const std::array<glm::dvec3, 3> line = {glm::dvec3(0.0), glm::dvec3(1.0, 2.0, 2.0), glm::dvec3(4.0, 8.0, 8.0)};
+    std::array<size_t, 3> order = {0, 1, 2};
+    do {
+        const std::array<glm::dvec3, 3> corners = {line[order[0]], line[order[1]], line[order[2]]};
+        for (const double t : {0.0, 0.25, 0.6, 1.0}) {
+            const glm::dvec3 p = t * line[2], w = barycentrics(corners, p);
+            CHECK(std::min({w.x, w.y, w.z}) >= 0.0);
+            CHECK(w.x + w.y + w.z == doctest::Approx(1.0));
+            CHECK(glm::distance(w.x * corners[0] + w.y * corners[1] + w.z * corners[2], p) < 1e-12);
+        }
+        // Beyond an end, the end.
+        const glm::dvec3 w = barycentrics(corners, 2.0 * line[2]);
+        CHECK(w.x * corners[0] + w.y * corners[1] + w.z * corners[2] == line[2]);
+    } while (std::next_permutation(order.begin(), order.end()));
+    const glm::dvec3 w = barycentrics({glm::dvec3(3.0), glm::dvec3(3.0), glm::dvec3(3.0)}, glm::dvec3(5.0));
+    CHECK(std::min({w.x, w.y, w.z}) == 0.0);
+    CHECK(w.x + w.y + w.z == 1.0);
+}
+
+TEST_CASE("attributes: both sides of a plane have equal coordinates on it, in metres") {
+    const glm::dvec3 p(0.3, -1.2, 0.7), q(-0.4, 0.9, 2.0);
+    for (const glm::dvec3& direction :
+         {glm::dvec3(1.0, 0.0, 0.0), glm::dvec3(0.0, 1.0, 0.0), glm::dvec3(0.0, 0.0, 1.0), glm::dvec3(0.0, 3.0, 4.0),
+          glm::dvec3(-1.0, 2.0, 0.5), glm::dvec3(1e-9, -1.0, 1.0), glm::dvec3(0.01, 1.0, 0.01)}) {
+        const glm::dvec3 n = glm::normalize(direction);
+        CHECK(plane_uv(n, p) == plane_uv(-n, p));
+        const glm::dvec3 apart = p - q, on_plane = apart - glm::dot(apart, n) * n;
+        CHECK(glm::distance(plane_uv(n, p), plane_uv(n, q)) == doctest::Approx(glm::length(on_plane)));
+    }
+    // Upwards is up, unless the plane is level.
+    CHECK(plane_uv({1.0, 0.0, 0.0}, {5.0, 2.0, 3.0}).y == doctest::Approx(2.0));
+    CHECK(plane_uv({0.0, 0.0, -1.0}, {5.0, 2.0, 3.0}).y == doctest::Approx(2.0));
+}
+
 TEST_CASE("attributes: linear functions of the input stay linear on the pieces, and cuts are mapped in metres") {
     const std::pair<TriangleMesh, Sites> cases[] = {
         {lattice_cube(4), lattice(3)}, // cuts through vertices, edges and faces

@@ -55,7 +55,160 @@ double bonded_area(const Fragments& f) {
     return sum;
 }
 
+// Pieces with the given volumes and contacts, without triangles: the choice of mergers by volume needs no more.
+Fragments pieces_of(const std::vector<double>& volumes, const std::vector<Bond>& bonds) {
+    Fragments f;
+    for (const double volume : volumes) {
+        Piece piece;
+        piece.site = static_cast<uint32_t>(f.pieces.size());
+        piece.mass.volume = volume;
+        f.pieces.push_back(piece);
+    }
+    f.bonds = bonds;
+    return f;
+}
+
+// Adds a piece with the given box and surface area. Its only triangle has half of that area.
+void add_box(Fragments& f, const glm::dvec3& low, const glm::dvec3& high, double volume, double area, bool exterior) {
+    const double half = std::sqrt(area); // the legs of a right triangle with half of the area
+    Piece piece;
+    piece.site = static_cast<uint32_t>(f.pieces.size());
+    piece.vertices.begin = static_cast<uint32_t>(f.positions.size());
+    piece.triangles.begin = static_cast<uint32_t>(f.triangles.size());
+    for (const glm::dvec3& p : {low, low + glm::dvec3(half, 0.0, 0.0), low + glm::dvec3(0.0, half, 0.0), high})
+        f.positions.push_back(p);
+    f.triangles.push_back({0, 1, 2});
+    f.triangle_source.push_back(0);
+    piece.vertices.end = static_cast<uint32_t>(f.positions.size());
+    piece.triangles.end = static_cast<uint32_t>(f.triangles.size());
+    piece.exterior_triangles = exterior ? 1 : 0;
+    piece.mass.volume = volume;
+    piece.mass.area = area;
+    f.pieces.push_back(piece);
+}
+
+using Indices = std::vector<uint32_t>;
+
 } // namespace
+
+TEST_CASE("merge: the smallest piece chooses first, and the result may be large enough") {
+    // A chain of three: the first joins the second, and both together are no longer small.
+    CHECK(choose_mergers(pieces_of({1.0, 1.5, 9.0}, {{0, 1, 1.0}, {1, 2, 5.0}}), {.min_volume = 2.0})
+          == Indices{1, 1, 2});
+    // The second is the smallest now, and the union of the two still small.
+    CHECK(choose_mergers(pieces_of({1.0, 0.5, 9.0}, {{0, 1, 1.0}, {1, 2, 0.5}}), {.min_volume = 2.0})
+          == Indices{2, 2, 2});
+    CHECK(choose_mergers(pieces_of({1.0, 9.0}, {{0, 1, 1.0}}), {.min_volume = 1.0}) == Indices{0, 1}); // not below it
+    CHECK(choose_mergers(pieces_of({1.0, 9.0}, {}), {.min_volume = 2.0}) == Indices{0, 1});
+    CHECK(choose_mergers(pieces_of({-5.0, 9.0}, {{0, 1, 1.0}}), {.min_volume = 2.0}) == Indices{0, 1});
+    CHECK(choose_mergers(pieces_of({-1.0, 9.0}, {{0, 1, 1.0}}), {.min_volume = 2.0}) == Indices{1, 1});
+}
+
+TEST_CASE("merge: the largest contact decides, among equal ones the lower index") {
+    CHECK(choose_mergers(pieces_of({9.0, 1.0, 9.0}, {{0, 1, 2.0}, {1, 2, 2.0}}), {.min_volume = 2.0})
+          == Indices{0, 0, 2});
+    CHECK(choose_mergers(pieces_of({9.0, 1.0, 9.0}, {{0, 1, 2.0}, {1, 2, 2.5}}), {.min_volume = 2.0})
+          == Indices{0, 2, 2});
+    // Piece 0 is absorbed by piece 3 first, which becomes the representative of both. Piece 5 then has contacts with
+    // this union and with piece 1.
+    const auto with_contacts = [](double with_union, double with_one) {
+        return choose_mergers(pieces_of({0.5, 9.0, 9.0, 9.0, 9.0, 1.0},
+                                        {{0, 2, 1.0}, {0, 3, 5.0}, {0, 4, 1.0}, {0, 5, with_union}, {1, 5, with_one}}),
+                              {.min_volume = 2.0});
+    };
+    CHECK(with_contacts(2.0, 2.0) == Indices{3, 1, 2, 3, 4, 1});
+    CHECK(with_contacts(2.0, 1.0) == Indices{3, 1, 2, 3, 4, 3});
+    CHECK(with_contacts(1.0, 2.0) == Indices{3, 1, 2, 3, 4, 1});
+}
+
+TEST_CASE("merge: contacts of a union add up") {
+    // Pieces 0 and 1 unite first. Piece 2 touches both, each less than piece 3.
+    const std::vector<Bond> bonds = {{0, 1, 5.0}, {0, 2, 1.0}, {1, 2, 1.0}, {2, 3, 1.5}};
+    CHECK(choose_mergers(pieces_of({0.5, 9.0, 1.0, 9.0}, bonds), {.min_volume = 2.0}) == Indices{1, 1, 1, 3});
+    CHECK(choose_mergers(pieces_of({9.0, 0.5, 1.0, 9.0}, bonds), {.min_volume = 2.0}) == Indices{0, 0, 0, 3});
+}
+
+TEST_CASE("merge: an absorbed piece that separated two pieces of a group brings them together") {
+    const Indices groups = {7, 8, 7, 9};
+    const MergeRules rules{.group_of_site = groups, .min_volume = 2.0};
+    CHECK(choose_mergers(pieces_of({9.0, 1.0, 9.0, 9.0}, {{0, 1, 1.0}, {1, 2, 2.0}, {2, 3, 1.0}}), rules)
+          == Indices{0, 0, 0, 3});
+    // It joins a third group: those two stay apart.
+    CHECK(choose_mergers(pieces_of({9.0, 1.0, 9.0, 9.0}, {{0, 1, 1.0}, {1, 2, 1.0}, {1, 3, 2.0}}), rules)
+          == Indices{0, 3, 2, 3});
+}
+
+TEST_CASE("merge: a sheet joins the neighbour that covers one of its sides, or is dropped") {
+    // Piece 0 is a cube with an edge of 3, piece 1 a sheet with an area of 2, half of it exterior.
+    const auto with_sheet = [](const glm::dvec3& low, double contact, bool exterior = true) {
+        Fragments f;
+        add_box(f, glm::dvec3(0.0), glm::dvec3(3.0), 27.0, 6.0, true);
+        add_box(f, low, low + glm::dvec3(0.5, 0.5, 0.0), 0.0, 2.0, exterior);
+        f.bonds = {{0, 1, contact}};
+        const std::vector<uint8_t> flat = {0, 1};
+        return choose_mergers(f, {.flat = flat});
+    };
+    CHECK(with_sheet(glm::dvec3(0.0), 1.0) == Indices{0, 0});                  // all of one side
+    CHECK(with_sheet(glm::dvec3(0.0), 1.0 - 1e-9) == Indices{0, 0});           // up to rounding
+    CHECK(with_sheet(glm::dvec3(0.0), 0.9) == Indices{0, dropped});            // another neighbour has the rest
+    CHECK(with_sheet(glm::dvec3(-0.1, 0.0, 0.0), 1.0) == Indices{0, dropped}); // sticks out of the cube
+    CHECK(with_sheet(glm::dvec3(0.0, 0.0, 3.1), 1.0) == Indices{0, dropped});  // on the other side
+    CHECK(with_sheet(glm::dvec3(-1e-15, 0.0, 0.0), 1.0) == Indices{0, 0});     // up to rounding
+    CHECK(with_sheet(glm::dvec3(0.0), 0.5, false) == Indices{0, 0});           // a speck inside the solid
+    CHECK(with_sheet(glm::dvec3(-0.1, 0.0, 0.0), 0.5, false) == Indices{0, 0});
+}
+
+TEST_CASE("merge: sheets that no solid piece covers are dropped together") {
+    Fragments f;
+    add_box(f, glm::dvec3(0.0), glm::dvec3(3.0), 27.0, 6.0, true);
+    add_box(f, glm::dvec3(0.0), glm::dvec3(0.5, 0.5, 0.0), 0.0, 2.0, true);
+    add_box(f, glm::dvec3(0.0), glm::dvec3(0.5, 0.5, 0.0), 0.0, 2.0, true);
+    const std::vector<uint8_t> flat = {0, 1, 1};
+    f.bonds = {{1, 2, 1.0}};
+    CHECK(choose_mergers(f, {.flat = flat}) == Indices{0, dropped, dropped});
+    CHECK(choose_mergers(f, {.min_volume = 28.0, .flat = flat}) == Indices{0, dropped, dropped});
+    // The cube covers the second, and the union of both is solid.
+    f.bonds = {{0, 2, 1.0}, {1, 2, 1.5}};
+    CHECK(choose_mergers(f, {.flat = flat}) == Indices{0, 0, 0});
+    CHECK(choose_mergers(f, {}) == Indices{0, 1, 2});
+}
+
+TEST_CASE("merge: a bond of groups is the sum of the bonds between their cells") {
+    const TriangleMesh ball = icosphere(3);
+    const Sites sites = uniform_sites(bounds(ball), 60, 4);
+    Settings settings;
+    for (const glm::dvec3& s : sites) settings.groups.push_back(s.y < 0.1 ? 5 : 3);
+    const Fragments apart = run(ball, sites, {}), f = run(ball, sites, settings);
+    REQUIRE(f.pieces.size() == 2);
+    REQUIRE(f.bonds.size() == 1);
+    const uint32_t first = settings.groups[f.pieces[0].site];
+    double area = 0.0;
+    glm::dvec3 centroid(0.0), normal(0.0);
+    for (const Bond& bond : apart.bonds) {
+        const uint32_t a = settings.groups[apart.pieces[bond.a].site], b = settings.groups[apart.pieces[bond.b].site];
+        if (a == b) continue;
+        area += bond.area;
+        centroid += bond.area * bond.centroid;
+        normal += (a == first ? bond.area : -bond.area) * bond.normal;
+    }
+    CHECK(f.bonds[0].a == 0);
+    CHECK(f.bonds[0].b == 1);
+    CHECK(f.bonds[0].area == doctest::Approx(area).epsilon(1e-12));
+    CHECK(glm::distance(f.bonds[0].centroid, centroid / area) < 1e-12);
+    CHECK(glm::distance(f.bonds[0].normal, glm::normalize(normal)) < 1e-12);
+    CHECK(glm::dot(f.bonds[0].normal, f.pieces[1].mass.centre_of_mass - f.pieces[0].mass.centre_of_mass) > 0.0);
+}
+
+TEST_CASE("merge: the bond around an enclosed piece has a unit normal") {
+    Settings settings;
+    for (int k = 0; k < 27; ++k) settings.groups.push_back(k == 13 ? 1 : 0);
+    const Fragments f = run(lattice_cube(3), lattice(3), settings);
+    REQUIRE(f.pieces.size() == 2);
+    REQUIRE(f.bonds.size() == 1);
+    CHECK(f.bonds[0].area == doctest::Approx(6.0 * 4.0 / 9.0));
+    CHECK(f.bonds[0].normal == glm::dvec3(0.0, 1.0, 0.0));
+    CHECK(glm::length(f.bonds[0].centroid) < 1e-12);
+}
 
 TEST_CASE("merge: all cells in one group give back the input, triangle by triangle") {
     for (const TriangleMesh& mesh : {cube(), lattice_cube(6), icosphere(3), torus(24, 12), torus_knot(2, 3, 80, 8),
