@@ -236,6 +236,19 @@ TEST_CASE("loops that touch in a shared vertex need no bridge and no forced ears
     }
 }
 
+TEST_CASE("loops that cross and share points give no triangle that names a point twice") {
+    std::vector<glm::dvec2> points; // a grid of 3 x 3
+    for (int k = 0; k < 9; ++k) points.emplace_back(k % 3, k / 3);
+    const std::vector<std::vector<Loop>> cases = {
+        {{6, 3, 5}, {5, 0, 6}}, {{6, 0, 5}, {5, 0, 3}},    {{2, 7, 6}, {8, 2, 6}},    {{6, 5, 3}, {5, 6, 0}},
+        {{0, 3, 1}, {2, 3, 0}}, {{4, 5, 8, 2}, {5, 4, 2}}, {{4, 3, 8}, {3, 4, 2, 8}}, {{7, 5, 0, 4}, {4, 0, 5}}};
+    for (size_t k = 0; k < cases.size(); ++k) {
+        CAPTURE(k);
+        const Polygons p{"crossing loops with common points", points, cases[k], 0.0, false};
+        for (const Triangle& t : check(p).triangles) CHECK((t.x != t.y && t.y != t.z && t.z != t.x));
+    }
+}
+
 TEST_CASE("points that are not finite give the documented count of triangles") {
     const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
     const std::vector<glm::dvec2> points = {{0, 0}, {nan, 0}, {1, inf},  {nan, nan}, {-inf, 2},
