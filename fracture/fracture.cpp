@@ -82,10 +82,11 @@ Result<void> check_values(const TriangleMesh& mesh, const Box& box, std::span<co
     if (settings.threads > max_threads)
         return Error{Status::invalid_setting, "threads is " + std::to_string(settings.threads) + "; give at most "
                                                   + std::to_string(max_threads) + ", or 0 for one per core"};
-    if (!settings.groups.empty() && settings.groups.size() != sites.size())
-        return Error{Status::invalid_setting, "there are " + std::to_string(settings.groups.size()) + " groups for "
-                                                  + std::to_string(sites.size())
-                                                  + " sites; give one group per site, or none"};
+    for (const std::vector<uint32_t>* groups : {&settings.groups, &settings.merged_later})
+        if (!groups->empty() && groups->size() != sites.size())
+            return Error{Status::invalid_setting, "there are " + std::to_string(groups->size()) + " groups for "
+                                                      + std::to_string(sites.size())
+                                                      + " sites; give one group per site, or none"};
     if (!settings.weights.empty() && settings.weights.size() != sites.size())
         return Error{Status::invalid_setting, "there are " + std::to_string(settings.weights.size()) + " weights for "
                                                   + std::to_string(sites.size())
@@ -252,7 +253,7 @@ Result<void> run_rough(const TriangleMesh& mesh, std::span<const glm::dvec3> sit
         if (Result<void> done = state.rough.cut(mesh, sites, settings, state.exact, out); !done) return done;
         merge(settings, bounds(mesh), state.rough.weigh(out), out);
         state.rough.restore(mesh, sites.size(), out);
-    } while (state.rough.calm(out));
+    } while (state.rough.calm(settings, out));
     return {};
 }
 

@@ -53,6 +53,9 @@ struct Settings {
     // One group number per site, or empty. No cut is made between cells of one group: the connected cells of a group
     // form one piece, whose site is the lowest site index among them. Algorithm::exact only.
     std::vector<uint32_t> groups{};
+    // One group number per site, or empty: pieces of one group will be merged by the caller (pieces/merge.h). Rough cuts
+    // leave the cuts within a group coarse, which costs far less. Read only where `groups` is empty.
+    std::vector<uint32_t> merged_later{};
     // One weight per site, in m^2, or empty. The cells are then those of the power diagram: the distance of a point x
     // to site s is |x - s|^2 - weight, that to a ball of radius sqrt(weight). Weights grade the sizes of pieces: a
     // heavy site has a large cell, a light site beside it a small cell or none.

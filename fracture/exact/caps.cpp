@@ -57,6 +57,7 @@ class Capper::Worker {
         const Winding& winding;
         const EdgeNodes& edge_nodes;
         double spacing; // of points inside a facet, 0 for none
+        const CapLattice& lattice;
         std::span<const InteriorPoints::Normals> edge_normals, pierce_normals;
         const Cut& cut;
         std::span<uint8_t> visited;
@@ -267,7 +268,7 @@ void Capper::Worker::triangulate_loops(const Context& context, const VoronoiDiag
     const glm::dvec3 normal = context.scene.sites[facet.j] - site;
     const auto loops = std::span(loops_).first(loop_count_);
     flat_.clear();
-    if (!(context.spacing > 0.0)) {
+    if (!(context.spacing > 0.0) || !context.lattice.is_bent(facet.i, facet.j)) {
         for (uint32_t k = cap.corners_begin; k < cap.corners_end; ++k)
             flat_.push_back(project(cap_position(context.cut, out.corners[k]), normal));
         const Triangulation& done = triangulator_.run_simple(flat_, loops);
@@ -314,7 +315,7 @@ void Capper::Worker::find_sides(const Context& context, const VoronoiDiagram::Fa
             if (!on_edge) continue;
             const auto& cells = context.cut.nodes[id.index()].cells;
             for (const VoronoiDiagram::Corner& corner : ring)
-                for (const uint32_t c : cells)
+                for (const uint32_t c : std::span(cells).first(3)) // the planes of its edge
                     if (c != facet.i && c != facet.j && c == corner.third) sides_[k][0] = corner.edge;
         } else if (id.kind() == VertexId::node) {
             for (size_t m = 0; m < ring.size(); ++m) {
@@ -496,15 +497,15 @@ void Capper::number_added_nodes(const VoronoiDiagram& diagram, Cut& cut) {
 bool Capper::run(const Scene& scene, const VoronoiDiagram& diagram, const Winding& winding,
                  std::span<const Triangle> triangles, const CapLattice& lattice, Cut& cut, Threads& threads) {
     const double spacing = lattice.spacing * scene.to_scene;
-    edge_nodes_.run(diagram, winding, spacing, cut);
+    edge_nodes_.run(diagram, winding, spacing, lattice.groups, cut);
     if (spacing > 0.0) find_normals(triangles, lattice, cut);
     group_by_facet(diagram, cut);
     const auto facets = static_cast<uint32_t>(diagram.facets.size());
     chunk_count_ = threads.chunks(facets, min_facets_per_chunk);
     if (chunks_.size() < chunk_count_) chunks_.resize(chunk_count_);
     if (workers_.size() < chunk_count_) workers_.resize(chunk_count_);
-    const Worker::Context context{scene,         diagram,         winding, edge_nodes_, spacing,
-                                  edge_normals_, pierce_normals_, cut,     visited_};
+    const Worker::Context context{scene,   diagram,       winding,         edge_nodes_, spacing,
+                                  lattice, edge_normals_, pierce_normals_, cut,         visited_};
     threads.for_chunks(facets, min_facets_per_chunk, [&](uint32_t k, uint32_t begin, uint32_t end) {
         CapChunk& out = chunks_[k];
         out.caps.clear();

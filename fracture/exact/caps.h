@@ -38,6 +38,10 @@ struct CapLattice {
     double spacing = 0.0; // of the points, m; 0 for none
     // Where the vertices of the mesh will be after the bend. Caps avoid triangles with all corners in one plane there.
     std::span<const glm::dvec3> places{};
+    // One group a site, or empty. Facets between sites of one group get no points, as their pieces will be merged.
+    std::span<const uint32_t> groups{};
+
+    [[nodiscard]] bool is_bent(uint32_t i, uint32_t j) const { return groups.empty() || groups[i] != groups[j]; }
 };
 
 struct CapChunk {

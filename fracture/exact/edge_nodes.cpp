@@ -7,12 +7,15 @@
 
 namespace brittle::fracture::exact {
 
-void EdgeNodes::run(const VoronoiDiagram& diagram, const Winding& winding, double spacing, Cut& cut) {
+void EdgeNodes::run(const VoronoiDiagram& diagram, const Winding& winding, double spacing,
+                    std::span<const uint32_t> groups, Cut& cut) {
     intervals_.clear();
     if (!(spacing > 0.0)) return;
     intervals_.resize(winding.pierces.size() + diagram.edges.size(), {0, 0});
     for (uint32_t e = 0; e < diagram.edges.size(); ++e) {
         const VoronoiDiagram::Edge& edge = diagram.edges[e];
+        const bool is_inside_group = !groups.empty() && groups[edge.planes[0]] == groups[edge.planes[1]]
+                                     && (edge.on_box() || groups[edge.planes[0]] == groups[edge.planes[2]]);
         const auto pierces = winding.pierces_of(e);
         int32_t w = winding.of_vertex[edge.start];
         glm::dvec3 from = diagram.vertices[edge.start].position;
@@ -21,7 +24,7 @@ void EdgeNodes::run(const VoronoiDiagram& diagram, const Winding& winding, doubl
             const glm::dvec3 to = last ? diagram.vertices[edge.end].position : cut.pierce_positions[pierces[k]];
             if (w != 0) {
                 // The walk may meet pierce points in an order that rounding has reversed.
-                const double gaps = std::ceil(glm::length(to - from) / spacing);
+                const double gaps = is_inside_group ? 1.0 : std::ceil(glm::length(to - from) / spacing);
                 Interval& interval = intervals_[first_interval(winding, e) + k];
                 interval.first_node = static_cast<uint32_t>(cut.nodes.size());
                 interval.count = gaps > 1.0 ? static_cast<uint32_t>(gaps) - 1 : 0;

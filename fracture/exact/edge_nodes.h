@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "fracture/exact/cut.h"
@@ -16,8 +17,9 @@ namespace brittle::fracture::exact {
 class EdgeNodes {
   public:
     // Appends the nodes to cut.nodes: as few as leave no gap longer than `spacing` (scene units). 0 means none. Runs
-    // after Winding::compute().
-    void run(const VoronoiDiagram& diagram, const Winding& winding, double spacing, Cut& cut);
+    // after Winding::compute(). `groups` is one group a site, or empty: an edge within a group gets no nodes.
+    void run(const VoronoiDiagram& diagram, const Winding& winding, double spacing, std::span<const uint32_t> groups,
+             Cut& cut);
 
     // The intervals of edge e are numbered from this one on, along the edge: one more than its pierce points.
     [[nodiscard]] static uint32_t first_interval(const Winding& winding, uint32_t edge) {

@@ -1,6 +1,8 @@
 #include "fracture/rough/crossings.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -18,9 +20,10 @@ constexpr double max_slabs = 256.0;
 
 class PieceCrossings {
   public:
-    void run(const Fragments& pieces, uint32_t piece, std::vector<Crossing>& found);
+    void run(const Fragments& pieces, uint32_t piece, std::span<const uint32_t> groups, std::vector<Crossing>& found);
 
   private:
+    void find_cuts(const Piece& piece, std::span<const uint32_t> sources, std::span<const uint32_t> groups);
     void mark_band(const Piece& piece, std::span<const Triangle> triangles, std::span<const uint32_t> sources);
     void collect(const Piece& piece, std::span<const glm::dvec3> positions, std::span<const Triangle> triangles);
 
@@ -33,13 +36,28 @@ class PieceCrossings {
     };
     [[nodiscard]] static bool is_beside(const Boxed& plane, const Triangle& other, const Triangle& own,
                                         std::span<const glm::dvec3> positions);
+    [[nodiscard]] bool have_gap(const Boxed& a, const Triangle& own, const Boxed& b, const Triangle& other,
+                                std::span<const glm::dvec3> positions) const;
 
+    std::vector<uint8_t> is_cut_; // per triangle: 1 on a cut that is not within a group
     std::vector<uint8_t> band_;   // per vertex: 1 on the border of a cut, 2 and 3 in the rings of the outside around it
     std::vector<uint32_t> facet_; // per vertex: the cut that it is on
     std::vector<Boxed> boxed_;    // the triangles of the band, sorted along the longest axis
+    [[nodiscard]] static bool meet_in_corner(uint32_t v, const Triangle& own, const Triangle& other,
+                                             std::span<const glm::dvec3> positions);
+
     int longest_ = 0;
+    double rounding_ = 0.0;                    // of a product with an axis, for each unit of the axis, m
     std::vector<uint32_t> slab_begin_, slabs_; // the triangles that reach into slabs across the second longest axis
 };
+
+// Fills is_cut_.
+void PieceCrossings::find_cuts(const Piece& piece, std::span<const uint32_t> sources,
+                               std::span<const uint32_t> groups) {
+    is_cut_.assign(sources.size(), 0);
+    for (uint32_t t = piece.exterior_triangles; t < sources.size(); ++t)
+        is_cut_[t] = groups.empty() || groups[sources[t]] != groups[piece.site] ? 1 : 0;
+}
 
 // Fills band_.
 void PieceCrossings::mark_band(const Piece& piece, std::span<const Triangle> triangles,
@@ -47,6 +65,7 @@ void PieceCrossings::mark_band(const Piece& piece, std::span<const Triangle> tri
     facet_.assign(piece.vertices.size(), no_index);
     band_.assign(piece.vertices.size(), 0);
     for (uint32_t t = piece.exterior_triangles; t < triangles.size(); ++t) {
+        if (!is_cut_[t]) continue;
         for (int k = 0; k < 3; ++k) {
             const uint32_t v = triangles[t][k];
             if (facet_[v] != no_index && facet_[v] != sources[t]) band_[v] = 1; // two cuts meet here
@@ -72,6 +91,7 @@ void PieceCrossings::collect(const Piece& piece, std::span<const glm::dvec3> pos
     boxed_.clear();
     glm::dvec3 low(positions[0]), high(low), sum(0.0);
     for (uint32_t t = 0; t < triangles.size(); ++t) {
+        if (t >= piece.exterior_triangles && !is_cut_[t]) continue;
         const Triangle& c = triangles[t];
         const uint8_t most = t < piece.exterior_triangles ? 3 : 1;
         const auto in_band = [&](uint32_t v) { return band_[v] != 0 && band_[v] <= most; };
@@ -84,7 +104,7 @@ void PieceCrossings::collect(const Piece& piece, std::span<const glm::dvec3> pos
         sum += boxed_.back().high - boxed_.back().low;
     }
     const glm::dvec3 size = high - low;
-    const double doubt = max_rounding * glm::length(glm::max(glm::abs(low), glm::abs(high)));
+    rounding_ = max_rounding * glm::length(glm::max(glm::abs(low), glm::abs(high)));
     const int longest = size.x >= size.y && size.x >= size.z ? 0 : (size.y >= size.z ? 1 : 2);
     const int second = size[(longest + 1) % 3] >= size[(longest + 2) % 3] ? (longest + 1) % 3 : (longest + 2) % 3;
     std::sort(boxed_.begin(), boxed_.end(), [longest](const Boxed& a, const Boxed& b) {
@@ -100,7 +120,7 @@ void PieceCrossings::collect(const Piece& piece, std::span<const glm::dvec3> pos
         for (uint32_t k = 0; k < boxed_.size(); ++k) {
             Boxed& b = boxed_[k];
             b.first_slab = slab_of(b.low[second]);
-            b.doubt = doubt * glm::length(b.normal);
+            b.doubt = rounding_ * glm::length(b.normal);
             for (uint32_t slab = b.first_slab; slab <= slab_of(b.high[second]); ++slab) {
                 if (pass == 0)
                     ++slab_begin_[slab + 2];
@@ -130,23 +150,93 @@ bool PieceCrossings::is_beside(const Boxed& plane, const Triangle& other, const 
     return above != below;
 }
 
-void PieceCrossings::run(const Fragments& pieces, uint32_t index, std::vector<Crossing>& found) {
+// Returns whether two triangles without a common corner surely have a gap between them along an axis. The axes stand on
+// an edge of one and in its plane, or on an edge of each (the separating axis theorem).
+bool PieceCrossings::have_gap(const Boxed& a, const Triangle& own, const Boxed& b, const Triangle& other,
+                              std::span<const glm::dvec3> positions) const {
+    std::array<glm::dvec3, 3> s, t, along_s, along_t;
+    for (int k = 0; k < 3; ++k) {
+        s[k] = positions[own[k]] - a.corner;
+        t[k] = positions[other[k]] - a.corner;
+    }
+    for (int k = 0; k < 3; ++k) {
+        along_s[k] = s[(k + 1) % 3] - s[k];
+        along_t[k] = t[(k + 1) % 3] - t[k];
+    }
+    const auto is_gap = [&](const glm::dvec3& axis) {
+        const double s0 = glm::dot(axis, s[0]), s1 = glm::dot(axis, s[1]), s2 = glm::dot(axis, s[2]);
+        const double t0 = glm::dot(axis, t[0]), t1 = glm::dot(axis, t[1]), t2 = glm::dot(axis, t[2]);
+        const double doubt = rounding_ * (std::abs(axis.x) + std::abs(axis.y) + std::abs(axis.z));
+        return std::min({t0, t1, t2}) - std::max({s0, s1, s2}) > doubt
+               || std::min({s0, s1, s2}) - std::max({t0, t1, t2}) > doubt;
+    };
+    for (int k = 0; k < 3; ++k)
+        if (is_gap(glm::cross(along_s[k], a.normal)) || is_gap(glm::cross(along_t[k], b.normal))) return true;
+    for (int k = 0; k < 3; ++k)
+        for (int m = 0; m < 3; ++m)
+            if (is_gap(glm::cross(along_s[k], along_t[m]))) return true;
+    return false;
+}
+
+// Returns whether two triangles with the corner `v` in common surely have no other common point: a plane through it
+// separates the angles that they span there, strictly on one side at least.
+bool PieceCrossings::meet_in_corner(uint32_t v, const Triangle& own, const Triangle& other,
+                                    std::span<const glm::dvec3> positions) {
+    const auto sides = [&](const Triangle& t) {
+        const int k = t.x == v ? 0 : (t.y == v ? 1 : 2);
+        return std::array{glm::normalize(positions[t[(k + 1) % 3]] - positions[v]),
+                          glm::normalize(positions[t[(k + 2) % 3]] - positions[v])};
+    };
+    const auto s = sides(own), t = sides(other);
+    // A unit vector of an angle is a sum of its two sides with factors up to 1 / |s + s'|, here a thousand at most. So
+    // rounding adds far less than min_sine to a product with an axis.
+    constexpr double min_sum = 1e-3, min_sine = 1e-9, max_rounded = 1e-13;
+    if (!(glm::length(s[0] + s[1]) > min_sum && glm::length(t[0] + t[1]) > min_sum)) return false;
+    const auto separates = [&](const glm::dvec3& axis) {
+        const double length = glm::length(axis);
+        const auto [s_low, s_high] = std::minmax({glm::dot(axis, s[0]), glm::dot(axis, s[1])});
+        const auto [t_low, t_high] = std::minmax({glm::dot(axis, t[0]), glm::dot(axis, t[1])});
+        const double strict = min_sine * length, weak = max_rounded * length;
+        return (s_high < weak && t_low > strict) || (s_high < -strict && t_low > -weak)
+               || (t_high < weak && s_low > strict) || (t_high < -strict && s_low > -weak);
+    };
+    const glm::dvec3 normal_s = glm::cross(s[0], s[1]), normal_t = glm::cross(t[0], t[1]);
+    for (size_t k = 0; k < 2; ++k)
+        if (separates(glm::cross(s[k], normal_s)) || separates(glm::cross(t[k], normal_t))) return true;
+    for (const glm::dvec3& from : s)
+        for (const glm::dvec3& to : t)
+            if (separates(glm::cross(from, to))) return true;
+    return false;
+}
+
+void PieceCrossings::run(const Fragments& pieces, uint32_t index, std::span<const uint32_t> groups,
+                         std::vector<Crossing>& found) {
     const Piece& piece = pieces.pieces[index];
     const auto positions = pieces.positions_of(piece);
     const auto triangles = pieces.triangles_of(piece);
     const auto sources = std::span(pieces.triangle_source).subspan(piece.triangles.begin, piece.triangles.size());
     if (piece.exterior_triangles == triangles.size()) return;
+    find_cuts(piece, sources, groups);
     mark_band(piece, triangles, sources);
     collect(piece, positions, triangles);
     std::vector<uint32_t> crossing;
     const auto test = [&](uint32_t slab, const Boxed& a, const Boxed& b) {
-        if (b.low.x > a.high.x || a.low.x > b.high.x || b.low.y > a.high.y || a.low.y > b.high.y
-            || b.low.z > a.high.z || a.low.z > b.high.z || slab != std::max(a.first_slab, b.first_slab))
+        if (b.low.x > a.high.x || a.low.x > b.high.x || b.low.y > a.high.y || a.low.y > b.high.y || b.low.z > a.high.z
+            || a.low.z > b.high.z || slab != std::max(a.first_slab, b.first_slab))
             return;
         const bool a_outside = a.triangle < piece.exterior_triangles, b_outside = b.triangle < piece.exterior_triangles;
         if (!a_outside && !b_outside && sources[a.triangle] == sources[b.triangle]) return;
         const Triangle &s = triangles[a.triangle], &t = triangles[b.triangle];
         if (is_beside(a, t, s, positions) || is_beside(b, s, t, positions)) return;
+        uint32_t common = no_index;
+        int commons = 0;
+        for (int k = 0; k < 3; ++k) {
+            if (s[k] != t.x && s[k] != t.y && s[k] != t.z) continue;
+            common = s[k];
+            ++commons;
+        }
+        if (commons == 0 && have_gap(a, s, b, t, positions)) return;
+        if (commons == 1 && meet_in_corner(common, s, t, positions)) return;
         if (!intersect(positions, s, t)) return;
         if (!a_outside) crossing.push_back(a.triangle);
         if (!b_outside) crossing.push_back(b.triangle);
@@ -185,14 +275,14 @@ void PieceCrossings::run(const Fragments& pieces, uint32_t index, std::vector<Cr
 
 } // namespace
 
-std::vector<Crossing> find_crossings(const Fragments& pieces, Threads& threads) {
+std::vector<Crossing> find_crossings(const Fragments& pieces, std::span<const uint32_t> groups, Threads& threads) {
     const auto count = static_cast<uint32_t>(pieces.pieces.size());
     std::vector<std::vector<Crossing>> found(threads.chunks(count, 1));
     threads.for_chunks(count, 1, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
         PieceCrossings finder;
         for (uint32_t p = begin; p < end; ++p) {
             threads.poll(p);
-            finder.run(pieces, p, found[chunk]);
+            finder.run(pieces, p, groups, found[chunk]);
         }
     });
     std::vector<Crossing> all;

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include <glm/vec3.hpp>
@@ -22,6 +23,8 @@ struct Crossing {
 };
 
 // Returns the triangles of cuts that cross another one of their piece, in the order of the pieces.
-[[nodiscard]] std::vector<Crossing> find_crossings(const Fragments& pieces, Threads& threads);
+// `groups` is one group a site, or empty: cuts within a group are left out.
+[[nodiscard]] std::vector<Crossing> find_crossings(const Fragments& pieces, std::span<const uint32_t> groups,
+                                                   Threads& threads);
 
 } // namespace brittle::fracture::rough

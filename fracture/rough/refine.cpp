@@ -13,7 +13,8 @@ double SurfaceRefiner::power(uint32_t site, const glm::dvec3& p) const {
     return glm::dot(d, d) - (sites_.weights.empty() ? 0.0 : sites_.weights[site]);
 }
 
-// Returns whether a bisector between two cells passes through a ball. The nearest bisector is one of the nearest site's.
+// Returns whether a bisector between two cells passes through a ball. The nearest bisector is one of the nearest site's:
+// a cell of another group that reaches into the ball is cut off there by the cell around the centre.
 bool SurfaceRefiner::meets_cut(const glm::dvec3& centre, double radius, const Part& part) const {
     uint32_t nearest = candidates_[part.candidates_begin];
     double least = power(nearest, centre);
@@ -27,7 +28,7 @@ bool SurfaceRefiner::meets_cut(const glm::dvec3& centre, double radius, const Pa
     for (uint32_t k = part.candidates_begin; k < part.candidates_end; ++k) {
         const uint32_t c = candidates_[k];
         const double lead = power(c, centre) - least, limit = 2.0 * radius;
-        if (c == nearest) continue;
+        if (share_group(c, nearest)) continue;
         const glm::dvec3 d = sites_.positions[c] - sites_.positions[nearest];
         if (lead * lead <= limit * limit * glm::dot(d, d)) return true;
     }
@@ -63,7 +64,7 @@ SurfaceRefiner::Part SurfaceRefiner::narrow(const Triangle& corners, uint32_t be
 // Returns the vertex that halves an edge, or no_index where the edge stays whole.
 uint32_t SurfaceRefiner::midpoint(uint32_t a, uint32_t b, const Part& part, Surface& out) {
     const double length = glm::distance(out.positions[a], out.positions[b]);
-    if (!(length > spacing_)) return no_index;
+    if (!(length > 1.5 * spacing_)) return no_index;
     const uint64_t key = uint64_t{std::min(a, b)} << 32 | std::max(a, b);
     const auto [at, is_new] = midpoints_.try_emplace(key, no_index);
     if (!is_new) return at->second;
@@ -135,7 +136,7 @@ bool SurfaceRefiner::run(const TriangleMesh& mesh, std::vector<glm::dvec3> warpe
     out.source.clear();
     const auto is_long = [&](const Triangle& t) {
         for (int k = 0; k < 3; ++k)
-            if (glm::distance(mesh.positions[t[k]], mesh.positions[t[(k + 1) % 3]]) > spacing) return true;
+            if (glm::distance(mesh.positions[t[k]], mesh.positions[t[(k + 1) % 3]]) > 1.5 * spacing) return true;
         return false;
     };
     if (sites.positions.size() < 2 || std::none_of(mesh.triangles.begin(), mesh.triangles.end(), is_long)) {

@@ -19,7 +19,8 @@ namespace brittle::fracture::rough {
 // The sites after the warp, between whose cells the surface is cut by planes.
 struct WarpedSites {
     std::span<const glm::dvec3> positions;
-    std::span<const double> weights; // one per site, or empty
+    std::span<const double> weights;  // one per site, or empty
+    std::span<const uint32_t> groups; // one per site, or empty: there is no cut within a group
 };
 
 // A surface before and after the warp. The first vertices are those of the input.
@@ -46,6 +47,9 @@ class SurfaceRefiner {
     [[nodiscard]] Part narrow(const Triangle& corners, uint32_t begin, uint32_t end, const Surface& out);
     [[nodiscard]] uint32_t midpoint(uint32_t a, uint32_t b, const Part& part, Surface& out);
     [[nodiscard]] double power(uint32_t site, const glm::dvec3& p) const;
+    [[nodiscard]] bool share_group(uint32_t a, uint32_t b) const {
+        return a == b || (!sites_.groups.empty() && sites_.groups[a] == sites_.groups[b]);
+    }
     [[nodiscard]] bool meets_cut(const glm::dvec3& centre, double radius, const Part& part) const;
 
     const Warp* warp_ = nullptr;

@@ -154,8 +154,8 @@ std::vector<glm::dvec3> Restorer::places(const Fragments& fragments, Threads& th
 // Joins the triangles of one piece after the other.
 class Restorer::Joiner {
   public:
-    Joiner(const TriangleMesh& input, const Surface& surface, std::span<const uint32_t> parts_of_source)
-        : input_(input), surface_(surface), parts_of_source_(parts_of_source) {}
+    Joiner(const TriangleMesh& input, const Surface& surface, std::span<const uint32_t> parts_of_source, double spacing)
+        : input_(input), surface_(surface), parts_of_source_(parts_of_source), spacing_(spacing) {}
 
     // Appends the joined piece to `out`. New points have the number no_index.
     void join(const Fragments& from, const Piece& piece, Fragments& out);
@@ -171,6 +171,7 @@ class Restorer::Joiner {
     void find_groups(const Fragments& from, const Piece& piece);
     void find_droppable(const Fragments& from, const Piece& piece);
     bool join_group(const Fragments& from, const Piece& piece, Group& group);
+    bool triangulate_polygon(const Fragments& from, const Piece& piece, const Triangle& source);
     void keep(std::span<const Triangle> triangles, Group& group);
     void trace_border(std::span<const Triangle> triangles, const Group& group);
     void find_repeated_edges(const Fragments& from, const Piece& piece);
@@ -183,6 +184,7 @@ class Restorer::Joiner {
     const TriangleMesh& input_;
     const Surface& surface_;
     std::span<const uint32_t> parts_of_source_;
+    double spacing_; // of points inside polygons
 
     std::vector<uint32_t> order_; // exterior triangles of the piece, those of a divided input triangle by source
     std::vector<Group> groups_;
@@ -202,6 +204,10 @@ class Restorer::Joiner {
     std::vector<Edge> new_edges_, repeated_;
     std::vector<uint32_t> number_;
     Triangulator triangulator_;
+    InteriorPoints interior_points_;
+    std::vector<uint32_t> numbers_; // per point of flat_: its vertex
+    std::vector<Triangle> triangles_;
+    std::vector<InteriorPoints::Normals> no_normals_;
 };
 
 // Fills order_ and groups_. Triangles that were not divided form no group and come first.
@@ -288,17 +294,44 @@ void Restorer::Joiner::trace_border(std::span<const Triangle> triangles, const G
     }
 }
 
+// Triangulates the polygon of loops_, which lies on an input triangle, with points inside. Without them a border of many
+// points would leave thin triangles across the polygon, and the next rough cut a point on each of these: triangles
+// would become smaller with every cut of a piece. Returns false where the border is not simple.
+bool Restorer::Joiner::triangulate_polygon(const Fragments& from, const Piece& piece, const Triangle& source) {
+    // Lengths in the plane are true here, so that points can be placed at equal distances.
+    const glm::dvec3 &a = input_.positions[source.x], &b = input_.positions[source.y], &c = input_.positions[source.z];
+    const glm::dvec3 x = glm::normalize(b - a), z = glm::normalize(glm::cross(b - a, c - a)), y = glm::cross(z, x);
+    if (!std::isfinite(glm::dot(z, z))) return false;
+    numbers_.clear();
+    flat_.clear();
+    for (Loop& loop : loops_) {
+        for (uint32_t& v : loop) {
+            const glm::dvec3 p = from.positions[piece.vertices.begin + v] - a;
+            flat_.push_back({glm::dot(p, x), glm::dot(p, y)});
+            numbers_.push_back(v);
+            v = size_of(flat_) - 1;
+        }
+    }
+    const Triangulation& done = triangulator_.run(flat_, loops_);
+    if (done.forced_ears > 0) return false;
+    const size_t border = flat_.size();
+    triangles_.assign(done.triangles.begin(), done.triangles.end());
+    no_normals_.assign(border, {});
+    interior_points_.run(loops_, spacing_, no_normals_, flat_, triangles_);
+    for (size_t k = border; k < flat_.size(); ++k) {
+        numbers_.push_back(piece.vertices.size() + size_of(added_));
+        added_.push_back(a + flat_[k].x * x + flat_[k].y * y);
+    }
+    for (const Triangle& t : triangles_) joined_.push_back({numbers_[t.x], numbers_[t.y], numbers_[t.z]});
+    return true;
+}
+
 // Triangulates a group. Returns false where its border is not simple.
 bool Restorer::Joiner::join_group(const Fragments& from, const Piece& piece, Group& group) {
     trace_border(from.triangles_of(piece), group);
     for (const Loop& loop : loops_)
         if (loop.size() < 3) return false;
     const Triangle& source = input_.triangles[group.source];
-    const glm::dvec3 &a = input_.positions[source.x], &b = input_.positions[source.y], &c = input_.positions[source.z];
-    const glm::dvec3 normal = glm::cross(b - a, c - a);
-    flat_.resize(piece.vertices.size());
-    for (const Loop& loop : loops_)
-        for (const uint32_t v : loop) flat_[v] = project(from.positions[piece.vertices.begin + v], normal);
     group.joined_begin = size_of(joined_);
     if (loops_.size() == 1 && loops_[0].size() == 3) {
         Loop& loop = loops_[0]; // a triangle that no cut crosses begins at its first corner again
@@ -307,10 +340,8 @@ bool Restorer::Joiner::join_group(const Fragments& from, const Piece& piece, Gro
         });
         if (first != loop.end()) std::rotate(loop.begin(), first, loop.end());
         joined_.push_back({loop[0], loop[1], loop[2]});
-    } else {
-        const Triangulation& done = triangulator_.run(flat_, loops_);
-        if (done.forced_ears > 0) return false;
-        joined_.insert(joined_.end(), done.triangles.begin(), done.triangles.end());
+    } else if (!triangulate_polygon(from, piece, source)) {
+        return false;
     }
     group.joined_end = size_of(joined_);
     return true;
@@ -319,7 +350,7 @@ bool Restorer::Joiner::join_group(const Fragments& from, const Piece& piece, Gro
 // Fills repeated_ with the edges between two points that more than two triangles would have: a new edge of a joined
 // triangle may have both ends on the border of a cut, and the cap may have an edge between them, too.
 void Restorer::Joiner::find_repeated_edges(const Fragments& from, const Piece& piece) {
-    used_.assign(piece.vertices.size(), 0); // vertices with a new edge
+    used_.assign(piece.vertices.size() + added_.size(), 0); // vertices with a new edge
     for (const Shortened& edge : shortened_) used_[edge.ends[0]] = used_[edge.ends[1]] = 1;
     for (const Group& group : groups_) {
         if (group.kept || group.joined_end - group.joined_begin < 2) continue;
@@ -361,9 +392,10 @@ bool Restorer::Joiner::lengthen_repeated_edges() {
 
 // Halves the diagonals of joined triangles that are repeated edges.
 void Restorer::Joiner::split_repeated_diagonals(const Fragments& from, const Piece& piece) {
-    added_.clear();
     if (repeated_.empty()) return;
-    const auto position = [&](uint32_t v) { return from.positions[piece.vertices.begin + v]; };
+    const auto position = [&](uint32_t v) {
+        return v < piece.vertices.size() ? from.positions[piece.vertices.begin + v] : added_[v - piece.vertices.size()];
+    };
     std::vector<Triangle> split;
     for (Group& group : groups_) {
         if (group.kept) continue;
@@ -409,6 +441,7 @@ void Restorer::Joiner::join(const Fragments& from, const Piece& piece, Fragments
     for (bool changed = true; changed;) {
         changed = false;
         joined_.clear();
+        added_.clear();
         shortened_.clear();
         for (Group& group : groups_) {
             if (group.kept || join_group(from, piece, group)) continue;
@@ -467,7 +500,7 @@ void Restorer::join_triangles(const TriangleMesh& input, Threads& threads, Fragm
     const uint32_t pieces = size_of(fragments.pieces);
     std::vector<Fragments> parts(threads.chunks(pieces, 1));
     threads.for_chunks(pieces, 1, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
-        Joiner joiner(input, *surface_, parts_of_source);
+        Joiner joiner(input, *surface_, parts_of_source, 2.0 * spacing_);
         for (uint32_t p = begin; p < end; ++p) joiner.join(fragments, fragments.pieces[p], parts[chunk]);
     });
     Fragments joined;

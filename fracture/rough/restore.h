@@ -21,6 +21,7 @@
 #include "fracture/exact/cut.h"
 #include "fracture/pieces/fragments.h"
 #include "fracture/rough/refine.h"
+#include "fracture/triangulation/interior_points.h"
 #include "fracture/triangulation/triangulate.h"
 
 namespace brittle::fracture::rough {

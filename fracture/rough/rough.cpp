@@ -29,6 +29,8 @@ constexpr double min_thickness = 1e-6;
 // How often the warp is calmed before crossings are left, and counted.
 constexpr uint32_t max_rounds = 4;
 
+constexpr uint32_t distance_samples = 256; // of typical_distance()
+
 constexpr double max_stretch = 16.0, max_detail = 6;
 
 class Stopwatch {
@@ -58,9 +60,9 @@ double estimate_triangles(const Box& box, size_t sites, double spacing) {
     return 2.0 * area / (0.433 * spacing * spacing);
 }
 
-} // namespace
-
-double typical_distance(std::span<const glm::dvec3> sites) {
+// Returns 1.5 times the median distance of a site to the nearest other one, of at most 256 sites. 0 where there are not
+// two different sites.
+double distance_between(std::span<const glm::dvec3> sites) {
     std::vector<double> nearest;
     const size_t stride = std::max<size_t>(1, sites.size() / 256);
     for (size_t i = 0; i < sites.size(); i += stride) {
@@ -76,6 +78,55 @@ double typical_distance(std::span<const glm::dvec3> sites) {
     const auto middle = nearest.begin() + static_cast<std::ptrdiff_t>(nearest.size() / 2);
     std::nth_element(nearest.begin(), middle, nearest.end());
     return 1.5 * *middle;
+}
+
+// Returns a multiple of the median distance of a point of the surface to the nearest site. 1.2 makes the two functions
+// about equal for uniform sites. Precondition: the indices of the mesh are in range.
+double distance_from(const TriangleMesh& mesh, std::span<const glm::dvec3> sites) {
+    std::vector<double> area_before{0.0}; // of the triangles before each one
+    for (const Triangle& t : mesh.triangles) {
+        const glm::dvec3& a = mesh.positions[t.x];
+        const double area = glm::length(glm::cross(mesh.positions[t.y] - a, mesh.positions[t.z] - a));
+        area_before.push_back(area_before.back() + (area > 0.0 ? area : 0.0));
+    }
+    if (sites.size() < 2 || !(area_before.back() > 0.0)) return 0.0;
+    std::vector<double> nearest;
+    for (uint32_t k = 0; k < distance_samples; ++k) {
+        const double at = (k + 0.5) / distance_samples * area_before.back();
+        const auto after = std::upper_bound(area_before.begin(), area_before.end(), at);
+        const auto t = std::min<size_t>(static_cast<size_t>(after - area_before.begin()), mesh.triangles.size()) - 1;
+        // A low-discrepancy sequence in the unit square, folded into the triangle (Roberts 2018, R2).
+        double u = 0.5 + 0.7548776662466927 * k, v = 0.5 + 0.5698402909980532 * k;
+        u -= std::floor(u);
+        v -= std::floor(v);
+        if (u + v > 1.0) {
+            u = 1.0 - u;
+            v = 1.0 - v;
+        }
+        const Triangle& corners = mesh.triangles[t];
+        const glm::dvec3& a = mesh.positions[corners.x];
+        const glm::dvec3 p = a + u * (mesh.positions[corners.y] - a) + v * (mesh.positions[corners.z] - a);
+        double least = std::numeric_limits<double>::infinity();
+        for (const glm::dvec3& site : sites) {
+            const glm::dvec3 d = p - site;
+            least = std::min(least, glm::dot(d, d));
+        }
+        nearest.push_back(std::sqrt(least));
+    }
+    const auto middle = nearest.begin() + distance_samples / 2;
+    std::nth_element(nearest.begin(), middle, nearest.end());
+    return 1.2 * *middle;
+}
+
+// Returns the groups of sites whose pieces are merged after the cut; empty for none.
+std::span<const uint32_t> groups_of(const Settings& settings) {
+    return settings.groups.empty() ? settings.merged_later : settings.groups;
+}
+
+} // namespace
+
+double typical_distance(const TriangleMesh& mesh, std::span<const glm::dvec3> sites) {
+    return std::sqrt(distance_between(sites) * distance_from(mesh, sites));
 }
 
 Result<void> check(const Roughness& r) {
@@ -94,7 +145,7 @@ Result<void> check(const Roughness& r) {
 void RoughCut::choose_spacing(const TriangleMesh& mesh, std::span<const glm::dvec3> sites, const Roughness& roughness) {
     const Box box = bounds(mesh);
     roughness_ = roughness;
-    wavelength_ = roughness.wavelength > 0.0 ? roughness.wavelength : typical_distance(sites);
+    wavelength_ = roughness.wavelength > 0.0 ? roughness.wavelength : typical_distance(mesh, sites);
     const double stretch = glm::length(roughness.grain);
     const double shrink = stretch > 0.0 ? std::min(stretch, 1.0) : 1.0;
     const double least = min_spacing * glm::length(box.size());
@@ -119,19 +170,18 @@ void RoughCut::start(const TriangleMesh& mesh, std::span<const glm::dvec3> sites
     }
     threads_.log_to(settings.work_log);
     threads_.cancel_by(settings.cancelled);
-    choose_spacing(mesh, sites, settings.rough);
+    const auto vertices = static_cast<uint32_t>(mesh.positions.size());
+    in_range_ = std::all_of(mesh.triangles.begin(), mesh.triangles.end(),
+                            [&](const Triangle& t) { return t.x < vertices && t.y < vertices && t.z < vertices; });
+    if (in_range_) choose_spacing(mesh, sites, settings.rough);
     calm_balls_.clear();
     rounds_ = 0;
 }
 
 Result<void> RoughCut::cut(const TriangleMesh& mesh, std::span<const glm::dvec3> sites, const Settings& settings,
                            exact::Scratch& scratch, Fragments& out) {
-    const auto vertices = static_cast<uint32_t>(mesh.positions.size());
-    const bool in_range = std::all_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const Triangle& t) {
-        return t.x < vertices && t.y < vertices && t.z < vertices;
-    });
     // The flat cut reports the errors, in terms of the mesh that the caller knows.
-    if (!in_range || mesh.triangles.empty() || sites.empty())
+    if (!in_range_ || mesh.triangles.empty() || sites.empty())
         return exact::fracture_exact(mesh, sites, settings, scratch, out);
     Stopwatch watch;
     warp_ = Warp(roughness_, wavelength_, calm_balls_);
@@ -143,7 +193,8 @@ Result<void> RoughCut::cut(const TriangleMesh& mesh, std::span<const glm::dvec3>
     };
     warp_all(mesh.positions, warped_positions_);
     warp_all(sites, warped_sites_);
-    const WarpedSites warped{warped_sites_, settings.weights};
+    const std::span<const uint32_t> groups = groups_of(settings);
+    const WarpedSites warped{warped_sites_, settings.weights, groups};
     const double unlimited = std::numeric_limits<double>::infinity();
     double spacing = spacing_ > 0.0 ? spacing_ : unlimited;
     while (!refiner_.run(mesh, warped_positions_, warp_, warped, spacing,
@@ -153,8 +204,8 @@ Result<void> RoughCut::cut(const TriangleMesh& mesh, std::span<const glm::dvec3>
     watch.lap("warp", out);
     timings.push_back(out.timings.back());
 
-    Result<void> done =
-        exact::fracture_exact(surface_.warped, warped_sites_, settings, scratch, out, {spacing_, surface_.positions});
+    Result<void> done = exact::fracture_exact(surface_.warped, warped_sites_, settings, scratch, out,
+                                              {spacing_, surface_.positions, groups});
     if (!done) {
         if (done.error().status == Status::cancelled) return done;
         if (Result<void> flat = exact::fracture_exact(mesh, sites, settings, scratch, out); !flat) return flat;
@@ -200,9 +251,9 @@ void RoughCut::restore(const TriangleMesh& mesh, size_t site_count, Fragments& p
     watch.lap("restore", pieces);
 }
 
-bool RoughCut::calm(Fragments& pieces) {
+bool RoughCut::calm(const Settings& settings, Fragments& pieces) {
     Stopwatch watch;
-    const std::vector<Crossing> crossings = find_crossings(pieces, threads_);
+    const std::vector<Crossing> crossings = find_crossings(pieces, groups_of(settings), threads_);
     watch.lap("check", pieces);
     pieces.crossings = static_cast<uint32_t>(crossings.size());
     if (crossings.empty() || rounds_++ == max_rounds) return false;

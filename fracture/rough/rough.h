@@ -12,7 +12,7 @@
 //         rough.cut(mesh, sites, settings, scratch, pieces);  // warped pieces
 //         ...                                                 // merge them
 //         rough.restore(mesh, sites.size(), pieces);
-//     } while (rough.calm(pieces));
+//     } while (rough.calm(settings, pieces));
 //
 // The outside of the pieces is the surface of the input, to the last bit of each vertex. Close to it, a cut follows the
 // warp up to an error of second order in the spacing, and may cross the surface. There the warp is calmed, and the
@@ -29,9 +29,10 @@
 
 namespace brittle::fracture::rough {
 
-// The typical distance of adjacent sites, m: 1.5 times the median distance to the nearest other site, of at most 256
-// sites. 0 where there are not two different sites.
-[[nodiscard]] double typical_distance(std::span<const glm::dvec3> sites);
+// The typical distance of adjacent sites, m: the geometric mean of the one among the sites and the one that a point of
+// the surface sees, which differ where small cells crowd around a blow. 0 where there are not two different sites.
+// Precondition: the indices of the mesh are in range.
+[[nodiscard]] double typical_distance(const TriangleMesh& mesh, std::span<const glm::dvec3> sites);
 
 // Errors: invalid_setting for a value out of its range (settings.h).
 [[nodiscard]] Result<void> check(const Roughness& roughness);
@@ -56,7 +57,7 @@ class RoughCut {
 
     // Looks for cuts that cross their piece. Returns true where the warp has been calmed around them and the solid must
     // be cut again; sets pieces.crossings otherwise.
-    [[nodiscard]] bool calm(Fragments& pieces);
+    [[nodiscard]] bool calm(const Settings& settings, Fragments& pieces);
 
   private:
     void weigh_in_place(Fragments& pieces);
@@ -64,6 +65,7 @@ class RoughCut {
 
     Threads threads_{1};
     uint32_t requested_threads_ = 1;
+    bool in_range_ = false; // the indices of the mesh
     Roughness roughness_;
     double wavelength_ = 0.0;
     double spacing_ = 0.0; // of the points on the cuts and their borders, m; 0 for none

@@ -1,5 +1,6 @@
 #include "fracture/rough/warp.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <glm/geometric.hpp>
@@ -115,8 +116,9 @@ inline __attribute__((always_inline)) void add_noise(const Gradient* table, uint
 double height_at(const glm::dvec3& p, std::span<const CalmBall> calm, double fade) {
     double least = 1.0;
     for (const CalmBall& ball : calm) {
-        const double t = (glm::distance(p, ball.centre) - ball.radius) / fade;
-        if (t < least) least = t;
+        const glm::dvec3 d = p - ball.centre;
+        const double square = glm::dot(d, d), reach = ball.radius + fade * std::max(least, 0.0);
+        if (square < reach * reach) least = std::min(least, (std::sqrt(square) - ball.radius) / fade);
     }
     return least <= 0.0 ? 0.0 : least * least * (3.0 - 2.0 * least);
 }

@@ -15,6 +15,9 @@ namespace {
 // become thin; far above it, a gap opens.
 constexpr double min_distance = 0.6;
 
+// The least distance from the edges of the border, in spacings.
+constexpr double min_height = 0.3;
+
 constexpr double row_height = 0.8660254037844386; // of the lattice, in spacings: sqrt(3) / 2
 
 // The cosine of the angle up to which two normals belong to one flat part of a surface: 18 degrees.
@@ -76,17 +79,18 @@ void InteriorPoints::place_points(std::span<const Loop> loops, double spacing, s
         return true;
     };
 
-    // The segments by the rows that they cross.
+    // The segments by the rows that they cross or come near to.
     const double first_row = 0.5 * (size.y - row * rows) + low.y;
     const auto row_from = [&](double y) { // the first row at or above y
         const double k = std::ceil((y - first_row) / row);
         return k <= 0.0 ? 0u : std::min(static_cast<uint32_t>(k), rows + 1);
     };
+    const double height = min_height * spacing;
     row_begin_.assign(rows + 3, 0);
     for (int pass = 0; pass < 2; ++pass) {
         for (uint32_t s = 0; s < segments_.size(); ++s) {
             const auto [bottom, top] = std::minmax(border[segments_[s][0]].y, border[segments_[s][1]].y);
-            for (uint32_t r = row_from(bottom); r < row_from(top); ++r) {
+            for (uint32_t r = row_from(bottom - height); r < row_from(top + height); ++r) {
                 if (pass == 0)
                     ++row_begin_[r + 2];
                 else
@@ -100,11 +104,22 @@ void InteriorPoints::place_points(std::span<const Loop> loops, double spacing, s
     for (uint32_t r = 0; r <= rows; ++r) {
         const double y = first_row + row * r;
         crossings_.clear();
+        too_near_.clear();
         for (uint32_t k = row_begin_[r]; k < row_begin_[r + 1]; ++k) {
             const glm::dvec2 &a = border[segments_[row_segments_[k]][0]], &b = border[segments_[row_segments_[k]][1]];
-            crossings_.push_back(a.x + (b.x - a.x) * ((y - a.y) / (b.y - a.y)));
+            const double at = a.x + (b.x - a.x) * ((y - a.y) / (b.y - a.y));
+            if (row_from(std::min(a.y, b.y)) <= r && r < row_from(std::max(a.y, b.y))) crossings_.push_back(at);
+            // The part of the row within the height of the line, and no farther than it beyond the ends.
+            const double reach = height * glm::distance(a, b) / std::abs(b.y - a.y);
+            double from = std::min(a.x, b.x) - height, to = std::max(a.x, b.x) + height;
+            if (at - reach > from) from = at - reach; // false for a segment along the row
+            if (at + reach < to) to = at + reach;
+            if (from < to) too_near_.push_back({from, to});
         }
         std::sort(crossings_.begin(), crossings_.end());
+        std::sort(too_near_.begin(), too_near_.end());
+        size_t passed = 0; // the intervals that begin before the point
+        double blocked_to = low.x - spacing;
         const double shift = 0.5 * (size.x - spacing * columns) + (r % 2 == 0 ? 0.0 : -0.5 * spacing) + low.x;
         const size_t begin = inside_.size();
         for (size_t k = 0; k + 1 < crossings_.size(); k += 2) {
@@ -112,7 +127,9 @@ void InteriorPoints::place_points(std::span<const Loop> loops, double spacing, s
             for (;; ++column) {
                 const glm::dvec2 p(shift + spacing * static_cast<double>(column), y);
                 if (!(p.x < crossings_[k + 1])) break;
-                if (is_clear(p)) inside_.push_back(p);
+                for (; passed < too_near_.size() && too_near_[passed][0] <= p.x; ++passed)
+                    blocked_to = std::max(blocked_to, too_near_[passed][1]);
+                if (p.x > blocked_to && is_clear(p)) inside_.push_back(p);
             }
         }
         // Rows in alternating directions: each point is near the last.

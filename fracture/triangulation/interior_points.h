@@ -56,8 +56,9 @@ class InteriorPoints {
     std::vector<uint32_t> doubtful_; // half-edges to test
     std::vector<std::array<uint32_t, 2>> segments_;  // of the loops
     std::vector<uint32_t> bin_begin_, bins_;         // the border points in square bins
-    std::vector<uint32_t> row_begin_, row_segments_; // the segments that cross each row of the lattice
+    std::vector<uint32_t> row_begin_, row_segments_; // the segments at each row of the lattice
     std::vector<double> crossings_;
+    std::vector<std::array<double, 2>> too_near_; // the intervals of a row that are too near to a segment
     std::span<const Normals> normals_;
     uint32_t near_ = 0; // a triangle near the last point
 };

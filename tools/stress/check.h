@@ -15,6 +15,7 @@ namespace brittle::stress {
 //  - caps of neighbours are equal triangles of opposite orientation, bit for bit; equal points have equal positions;
 //  - before pieces merge, vertices lie in the cell of their piece's site, up to rounding;
 //  - a run with another number of threads gives an equal hash;
+//  - with rough cuts pieces are closed, volumes and caps agree, and no piece of a simple mesh crosses itself uncounted;
 //  - in generic cases of moderate cost, `sequential` fills the same cells, with equal volumes and numbers of islands.
 [[nodiscard]] std::string complaint(const Case& c);
 

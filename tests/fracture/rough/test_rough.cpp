@@ -6,6 +6,7 @@
 #include <map>
 #include <string>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include <doctest/doctest.h>
@@ -15,6 +16,7 @@
 #include "fracture/fracture.h"
 #include "fracture/mesh/intersections.h"
 #include "fracture/pieces/certificate.h"
+#include "fracture/pieces/merge.h"
 #include "fracture/shapes/shapes.h"
 #include "fracture/sites/sites.h"
 
@@ -242,6 +244,77 @@ TEST_CASE("rough cuts: groups, weights and a minimum volume") {
     Random random(3);
     for (size_t s = 0; s < sites.size(); ++s) settings.weights.push_back(0.1 * random.uniform());
     check_pieces(mesh, rough_pieces(mesh, sites, settings));
+}
+
+TEST_CASE("rough cuts: groups that are merged later are as whole as groups, and their own cuts stay coarse") {
+    const TriangleMesh mesh = torus(1.0, 0.4, 48, 24);
+    const auto sites = uniform_sites(bounds(mesh), 60, 5);
+    Settings settings;
+    settings.rough = {.amount = 0.7, .detail = 2};
+    const Fragments all = rough_pieces(mesh, sites, settings);
+    for (uint32_t s = 0; s < sites.size(); ++s) settings.merged_later.push_back(sites[s].x < 0.0 ? 0 : 1);
+    Fragments later = rough_pieces(mesh, sites, settings);
+    CHECK(later.pieces.size() > 30);
+    CHECK(certify(mesh, later).closed);
+    CHECK(2 * later.triangles.size() < all.triangles.size());
+
+    Threads threads(2);
+    merge_pieces(later, choose_mergers(later, {settings.merged_later, 0.0, {}, {}}), threads);
+    const Certificate certificate = certify(mesh, later);
+    CHECK(certificate.closed);
+    CHECK(certificate.volume_error < 1e-12);
+    CHECK(cuts_pair_up(later));
+    CHECK(crossings(later) == 0);
+    for (const Bond& bond : later.bonds)
+        CHECK(settings.merged_later[later.pieces[bond.a].site] != settings.merged_later[later.pieces[bond.b].site]);
+
+    // As flat cuts do, merging makes the same pieces as groups do.
+    settings.groups = std::exchange(settings.merged_later, {});
+    const Fragments grouped = rough_pieces(mesh, sites, settings);
+    REQUIRE(grouped.pieces.size() == later.pieces.size());
+    for (size_t p = 0; p < later.pieces.size(); ++p)
+        CHECK(later.pieces[p].mass.volume == doctest::Approx(grouped.pieces[p].mass.volume).epsilon(1e-3));
+}
+
+TEST_CASE("rough cuts: cut again and again, a piece does not fall into ever finer triangles") {
+    TriangleMesh mesh = cube(1.0);
+    for (glm::dvec3& p : mesh.positions) p *= glm::dvec3(4.0, 2.0, 0.3);
+    const Box box = bounds(mesh);
+    std::vector<uint32_t> groups(40, 10); // the largest piece keeps most cells
+    for (uint32_t s = 0; s < 10; ++s) groups[s] = s;
+    size_t first = 0;
+    for (uint64_t level = 0; level < 6; ++level) {
+        CAPTURE(level);
+        Settings settings;
+        settings.groups = groups;
+        settings.rough = {.amount = 0.4};
+        const Fragments pieces = rough_pieces(mesh, uniform_sites(box, 40, 30 + level), settings);
+        const auto largest =
+            std::max_element(pieces.pieces.begin(), pieces.pieces.end(),
+                             [](const auto& a, const auto& b) { return a.mass.volume < b.mass.volume; });
+        mesh.positions.assign(pieces.positions_of(*largest).begin(), pieces.positions_of(*largest).end());
+        mesh.triangles.assign(pieces.triangles_of(*largest).begin(), pieces.triangles_of(*largest).end());
+        if (level == 0) first = mesh.triangles.size();
+        CHECK(mesh.triangles.size() < (level + 2) * first); // without points inside its polygons: 50 times as many
+    }
+}
+
+TEST_CASE("rough cuts: crossings that calming leaves are counted") {
+    // A crowd of cells far smaller than the bumps.
+    TriangleMesh mesh = cube(1.0);
+    for (glm::dvec3& p : mesh.positions) p *= glm::dvec3(4.0, 2.0, 0.3);
+    const Box crowd{{-0.2, -0.2, -0.15}, {0.2, 0.2, 0.15}};
+    uint32_t with_crossings = 0;
+    for (uint64_t seed = 1; seed <= 6; ++seed) {
+        CAPTURE(seed);
+        Settings settings;
+        settings.rough = {.amount = 1.0, .wavelength = 1.5, .seed = seed};
+        const Fragments pieces = rough_pieces(mesh, uniform_sites(crowd, 200, seed), settings);
+        CHECK(certify(mesh, pieces).closed);
+        CHECK((pieces.crossings > 0) == (crossings(pieces) > 0));
+        with_crossings += pieces.crossings > 0 ? 1 : 0;
+    }
+    CHECK(with_crossings > 0);
 }
 
 TEST_CASE("rough cuts: the triangle budget and the detail bound what is added") {
