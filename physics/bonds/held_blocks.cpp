@@ -169,9 +169,11 @@ held_blocks(const fracture::TriangleMesh& mesh, float density, const HeldBlockSe
     const fracture::Result<fracture::Fragments> cut =
         fracture::fracture(mesh, blocks->sites, {.threads = threads, .cancelled = cancelled});
     if (!cut || cut->pieces.size() < 2) return nullptr;
-    for (const fracture::Piece& piece : cut->pieces)
+    for (const fracture::Piece& piece : cut->pieces) {
         blocks->nodes.push_back({piece.mass.centre_of_mass, piece.mass.volume * static_cast<double>(density),
                                  piece.mass.inertia * static_cast<double>(density), held(*cut, piece)});
+        blocks->cells.push_back(piece.site);
+    }
     blocks->min_area = std::numeric_limits<double>::infinity();
     for (const fracture::Bond& bond : cut->bonds) {
         blocks->bonds.push_back({bond.a, bond.b, bond.area, bond.centroid, bond.normal});

@@ -40,7 +40,8 @@ struct HeldBlockSettings {
 
 struct HeldBlocks {
     std::vector<glm::dvec3> sites;
-    std::vector<StressNode> nodes; // one a piece, in the order of the fracture by `sites`
+    std::vector<StressNode> nodes; // one a piece, in the order of the flat fracture by `sites`
+    std::vector<uint32_t> cells;   // by node: the site of its cell
     std::vector<StressBond> bonds;
     double min_area = 0.0; // m^2, of the smallest contact
 };

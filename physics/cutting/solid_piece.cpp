@@ -30,6 +30,9 @@ using fracture::Triangle;
 // Limit of hulls for one cell of a cut solid. A cell is convex, so few parts are enough.
 constexpr uint32_t max_parts_of_cell = 4;
 
+// See Roughness::max_triangles.
+constexpr uint64_t max_rough_triangles = 100'000;
+
 double cube(double x) {
     return x * x * x;
 }
@@ -146,6 +149,13 @@ Result<SolidPtr> make_solid(const fracture::TriangleMesh& mesh, const SolidSetti
 
 namespace {
 
+// A blow must not wait for its cuts.
+fracture::Roughness roughness_of_blow(const SolidSettings& settings) {
+    fracture::Roughness rough = settings.rough;
+    rough.max_triangles = std::min<uint64_t>(rough.max_triangles, max_rough_triangles);
+    return rough;
+}
+
 // The pieces of a cut, joined by representative: goes_to[cell] is the first cell of the piece.
 Result<std::vector<SolidPtr>> joined_pieces(const SolidPiece& solid, Fragments& cut,
                                             const std::vector<uint32_t>& goes_to, const SolidSettings& settings,
@@ -177,9 +187,42 @@ Result<std::vector<SolidPtr>> joined_pieces(const SolidPiece& solid, Fragments& 
     return pieces;
 }
 
+// By site: the island of its cell, or a number of its own where the cell holds blocks of several islands.
+std::vector<uint32_t> islands_of_cells(const HeldBlocks& blocks, std::span<const uint32_t> islands) {
+    const auto sites = static_cast<uint32_t>(blocks.sites.size());
+    const uint32_t first_own = *std::ranges::max_element(islands) + 1;
+    std::vector<uint32_t> by_cell(sites, first_own + sites);
+    for (size_t node = 0; node < blocks.nodes.size(); ++node) {
+        uint32_t& island = by_cell[blocks.cells[node]];
+        if (island == first_own + sites)
+            island = islands[node];
+        else if (island != islands[node])
+            island = first_own + blocks.cells[node];
+    }
+    return by_cell;
+}
+
+// By piece of a cut by the sites of blocks: the island of its block. Rough cuts need not divide a cell into the pieces
+// that flat cuts do, so the block is the one of the piece's cell, or of all for a cell without a block, whose centre is
+// nearest.
+std::vector<uint32_t> islands_of_pieces(const Fragments& cut, const HeldBlocks& blocks,
+                                        std::span<const uint32_t> islands) {
+    std::vector<uint32_t> by_piece;
+    for (const Piece& piece : cut.pieces) {
+        const auto distance = [&](size_t node) {
+            const glm::dvec3 apart = blocks.nodes[node].centre - piece.mass.centre_of_mass;
+            return std::pair(blocks.cells[node] != piece.site, glm::dot(apart, apart));
+        };
+        size_t nearest = 0;
+        for (size_t node = 1; node < blocks.nodes.size(); ++node)
+            if (distance(node) < distance(nearest)) nearest = node;
+        by_piece.push_back(islands[nearest]);
+    }
+    return by_piece;
+}
+
 // By piece: the first piece of its island, after islands below the minimum volume have joined the one they touch most.
-std::vector<uint32_t> first_of_islands(const Fragments& cut, std::span<const uint32_t> islands, double min_volume) {
-    std::vector<uint32_t> island(islands.begin(), islands.end());
+std::vector<uint32_t> first_of_islands(const Fragments& cut, std::vector<uint32_t> island, double min_volume) {
     for (;;) {
         std::map<uint32_t, double> volumes;
         for (size_t i = 0; i < island.size(); ++i) volumes[island[i]] += cut.pieces[i].mass.volume;
@@ -203,8 +246,11 @@ std::vector<uint32_t> first_of_islands(const Fragments& cut, std::span<const uin
 Result<std::vector<SolidPtr>> break_solid(const SolidPiece& solid, std::span<const glm::dvec3> sites,
                                           std::span<const uint32_t> groups, const SolidSettings& settings,
                                           const std::function<bool()>& cancelled) {
-    Result<Fragments> cut = fracture::fracture(
-        solid.mesh, sites, {.threads = settings.threads, .rough = settings.rough, .cancelled = cancelled});
+    Result<Fragments> cut = fracture::fracture(solid.mesh, sites,
+                                               {.threads = settings.threads,
+                                                .merged_later = {groups.begin(), groups.end()},
+                                                .rough = roughness_of_blow(settings),
+                                                .cancelled = cancelled});
     if (!cut) return cut.error();
     const std::vector<uint32_t> goes_to = fracture::choose_mergers(*cut, {groups, cube(settings.min_size), {}});
     return joined_pieces(solid, *cut, goes_to, settings, cancelled);
@@ -213,11 +259,14 @@ Result<std::vector<SolidPtr>> break_solid(const SolidPiece& solid, std::span<con
 Result<std::vector<SolidPtr>> break_apart(const SolidPiece& solid, std::span<const uint32_t> islands,
                                           const SolidSettings& settings, const std::function<bool()>& cancelled) {
     assert(solid.blocks && islands.size() == solid.blocks->nodes.size());
-    Result<Fragments> cut =
-        fracture::fracture(solid.mesh, solid.blocks->sites,
-                           {.threads = settings.threads, .rough = settings.rough, .cancelled = cancelled});
+    Result<Fragments> cut = fracture::fracture(solid.mesh, solid.blocks->sites,
+                                               {.threads = settings.threads,
+                                                .merged_later = islands_of_cells(*solid.blocks, islands),
+                                                .rough = roughness_of_blow(settings),
+                                                .cancelled = cancelled});
     if (!cut) return cut.error();
-    const std::vector<uint32_t> goes_to = first_of_islands(*cut, islands, cube(settings.min_size));
+    const std::vector<uint32_t> goes_to =
+        first_of_islands(*cut, islands_of_pieces(*cut, *solid.blocks, islands), cube(settings.min_size));
     return joined_pieces(solid, *cut, goes_to, settings, cancelled);
 }
 

@@ -63,6 +63,7 @@ MaterialPreset preset_of(const std::string& name) {
     return {"steel",
             {7850.0f, 0.5f, 0.3f, 400e6f, 400e6f, 250e6f, 50e6f, 1e5f},
             {.kind = fracture::PatternKind::uniform},
+            {},
             glm::vec3(0.5f),
             glm::vec3(0.5f)};
 }

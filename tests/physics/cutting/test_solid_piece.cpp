@@ -1,8 +1,10 @@
 #include "physics/cutting/solid_piece.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <set>
+#include <span>
 
 #include <doctest/doctest.h>
 #include <glm/geometric.hpp>
@@ -12,6 +14,7 @@
 #include "fracture/mesh/topology.h"
 #include "fracture/shapes/shapes.h"
 #include "fracture/sites/sites.h"
+#include "tests/physics/lathe.h"
 
 using namespace brittle;
 using namespace brittle::physics;
@@ -96,6 +99,71 @@ TEST_CASE("solid piece: after three levels pieces are closed, volumes sum to the
         CHECK(std::abs(sum - volume) < 1e-9 * volume);
         CHECK(std::abs(exterior - area) < 1e-9 * area);
         CHECK(sources.size() == mesh.triangles.size());
+    }
+}
+
+TEST_CASE("solid piece: rough pieces of rough pieces are closed, and volumes and exterior areas sum to the whole") {
+    const fracture::TriangleMesh mesh = fracture::torus(0.8, 0.3, 48, 24);
+    const SolidPtr whole = must_make(mesh);
+    const SolidSettings settings{.min_size = 1e-3, .rough = {.amount = 1.0}};
+    std::vector<SolidPtr> pieces{whole};
+    for (uint64_t level = 1; level <= 2; ++level) {
+        std::vector<SolidPtr> next;
+        for (size_t i = 0; i < pieces.size(); ++i)
+            if (pieces[i]->breakable)
+                for (const SolidPtr& piece : must_break(*pieces[i], 6, 10 * i + level, settings)) next.push_back(piece);
+        CHECK(next.size() > 2 * pieces.size());
+        pieces = std::move(next);
+        double volume = 0.0, exterior = 0.0;
+        for (const SolidPtr& piece : pieces) {
+            volume += piece->mass.volume;
+            if (!piece->breakable) continue;
+            const fracture::TriangleMesh& m = piece->mesh;
+            CHECK(fracture::check_topology(m.positions.size(), m.triangles).manifold());
+            CHECK(fracture::signed_volume(m.positions, m.triangles) == doctest::Approx(piece->mass.volume));
+            for (const fracture::Triangle& t : std::span(m.triangles).first(piece->exterior_triangles))
+                exterior +=
+                    0.5
+                    * glm::length(glm::cross(m.positions[t.y] - m.positions[t.x], m.positions[t.z] - m.positions[t.x]));
+        }
+        CHECK(volume == doctest::Approx(whole->mass.volume).epsilon(1e-9));
+        if (std::ranges::all_of(pieces, [](const SolidPtr& piece) { return piece->breakable; }))
+            CHECK(exterior == doctest::Approx(whole->mass.area).epsilon(1e-9));
+    }
+}
+
+TEST_CASE("solid piece: islands of held blocks break apart along flat and rough cuts, whatever pieces these yield") {
+    // Disks on a shaft: one cell of the blocks holds several pieces.
+    const fracture::TriangleMesh comb = test::lathe({{0.1, 0.0},
+                                                     {0.1, 0.3},
+                                                     {0.5, 0.32},
+                                                     {0.5, 0.38},
+                                                     {0.1, 0.4},
+                                                     {0.1, 0.5},
+                                                     {0.5, 0.52},
+                                                     {0.5, 0.58},
+                                                     {0.1, 0.6},
+                                                     {0.1, 1.0}},
+                                                    24);
+    for (const double amount : {0.0, 0.4, 1.0}) {
+        CAPTURE(amount);
+        const SolidSettings settings{
+            .min_size = 0.01, .anchors = {fracture::Box{{-1.0, -1.0, -1.0}, {1.0, 0.05, 1.0}}}, .rough = {amount}};
+        const SolidPtr solid = must_make(comb, settings);
+        REQUIRE(solid->blocks);
+        const std::vector<StressNode>& nodes = solid->blocks->nodes;
+        CHECK(solid->blocks->cells.size() == nodes.size());
+        for (const double height : {0.2, 0.35, 0.45, 0.55}) {
+            CAPTURE(height);
+            std::vector<uint32_t> islands;
+            for (const StressNode& node : nodes) islands.push_back(node.centre.y > height);
+            const auto pieces = break_apart(*solid, islands, settings);
+            REQUIRE(pieces.has_value());
+            CHECK(pieces->size() == 2);
+            double volume = 0.0;
+            for (const SolidPtr& piece : *pieces) volume += piece->mass.volume;
+            CHECK(volume == doctest::Approx(solid->mass.volume).epsilon(1e-9));
+        }
     }
 }
 
