@@ -403,7 +403,7 @@ TEST_CASE("recipe: an unknown key or a bad value is named by its path, with what
     says(R"({"brittle": 1, "repair": "yes"})", "/repair: expected true or false");
     says(R"({"brittle": 1, "algorithm": "fast"})", "/algorithm: expected \"exact\" or \"sequential\"");
     says(R"({"brittle": 1, "min_volume": -1})", "/min_volume: expected a number");
-    says(R"({"brittle": 1, "roughness": 1.5})", "/roughness: expected a number from 0 to 1, found 1.5");
+    says(R"({"brittle": 1, "roughness": 1.5})", "/roughness: expected a number from 0.0 to 1.0, found 1.5");
     says(R"({"brittle": 1, "roughness": "high"})", "/roughness: expected a number");
     says(R"({"brittle": 1, "rough_size": -0.1})", "/rough_size: expected a number");
     says(R"({"brittle": 1, "detail": 7})", "/detail: expected a whole number from 1 to 6, found 7");

@@ -108,6 +108,7 @@ TEST_CASE("breakable: blows cut along a diagram from a file, fitted to the piece
     for (int k = 0; k < 30; ++k) line += "5 " + std::to_string(10 * k) + " 5\n";
     options.sites_file = folder.write("line.txt", line).string();
     use_material("concrete", options);
+    options.rough = {}; // flat cuts show the diagram
     options.world = {.height = 0.0,
                      .breakable = true,
                      .shots = {{.from = {0.0, 0.7, 2.0}, .velocity = {0.0, 0.0, -30.0}, .radius = 0.15},

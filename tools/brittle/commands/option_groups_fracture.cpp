@@ -167,7 +167,7 @@ void add_site_options(CLI::App& command, FractureOptions& options) {
 glm::dvec3 parse_grain(const std::vector<double>& v) {
     const glm::dvec3 grain(v[0], v[1], v[2]);
     const double stretch = glm::length(grain);
-    if (stretch == 0.0 || (stretch >= min_stretch && stretch <= max_stretch)) return grain;
+    if (grain == glm::dvec3(0.0) || (stretch >= min_stretch && stretch <= max_stretch)) return grain;
     char text[160];
     std::snprintf(
         text, sizeof text,

@@ -435,7 +435,7 @@ void read_roughness(JsonReader& reader, FractureOptions& options) {
     if (!grain) return;
     reader.vector("grain", rough.grain);
     const double stretch = glm::length(rough.grain);
-    if (stretch != 0.0 && !(stretch >= min_stretch && stretch <= max_stretch))
+    if (rough.grain != glm::dvec3(0.0) && !(stretch >= min_stretch && stretch <= max_stretch))
         reader.fail("grain", "a direction as long as the factor of its stretch, from 1/16 to 16, or [0, 0, 0]", *grain);
 }
 
