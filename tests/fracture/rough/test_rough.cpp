@@ -247,7 +247,7 @@ TEST_CASE("rough cuts: groups, weights and a minimum volume") {
 }
 
 TEST_CASE("rough cuts: groups that are merged later are as whole as groups, and their own cuts stay coarse") {
-    const TriangleMesh mesh = torus(1.0, 0.4, 48, 24);
+    const TriangleMesh mesh = torus(48, 24);
     const auto sites = uniform_sites(bounds(mesh), 60, 5);
     Settings settings;
     settings.rough = {.amount = 0.7, .detail = 2};

@@ -103,7 +103,7 @@ TEST_CASE("solid piece: after three levels pieces are closed, volumes sum to the
 }
 
 TEST_CASE("solid piece: rough pieces of rough pieces are closed, and volumes and exterior areas sum to the whole") {
-    const fracture::TriangleMesh mesh = fracture::torus(0.8, 0.3, 48, 24);
+    const fracture::TriangleMesh mesh = fracture::torus(48, 24);
     const SolidPtr whole = must_make(mesh);
     const SolidSettings settings{.min_size = 1e-3, .rough = {.amount = 1.0}};
     std::vector<SolidPtr> pieces{whole};
