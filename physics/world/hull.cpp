@@ -485,6 +485,8 @@ CollisionHull collision_hull(std::span<const glm::dvec3> points, glm::dvec3 orig
 std::vector<std::vector<HullPlane>> contact_planes(const fracture::Fragments& fragments) {
     std::vector<std::vector<HullPlane>> planes(fragments.pieces.size());
     for (const fracture::Bond& bond : fragments.bonds) {
+        // A bond to a missing piece, or without area, holds nothing: it is broken from the start.
+        if (bond.a >= planes.size() || bond.b >= planes.size() || !(bond.area > 0.0)) continue;
         const double distance = glm::dot(bond.normal, bond.centroid);
         planes[bond.a].push_back({bond.normal, distance});
         planes[bond.b].push_back({-bond.normal, -distance});

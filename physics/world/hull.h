@@ -4,8 +4,8 @@
 // birth and push each other apart. The hull's planes are therefore moved inwards by the margin, so that hull + margin
 // lies inside the convex hull of the piece. Pieces of different Voronoi cells never overlap at birth: each lies in its
 // cell, which is convex, and so does its hull. Rough pieces reach a little into each other's cells; their hulls are cut
-// along the mean plane of each contact (contact_planes()). Two islands of one cell, and pieces from elsewhere, may overlap; the
-// world separates such pairs slowly (WorldSettings::separation_speed).
+// along the mean plane of each contact (contact_planes()). Two islands of one cell, and pieces from elsewhere, may
+// overlap; the world separates such pairs slowly (WorldSettings::separation_speed).
 //
 // Points are relative to an origin that the caller passes, usually the centre of mass. Metres. Pure functions;
 // thread-safe.
@@ -89,7 +89,7 @@ struct CollisionHull {
                                            const HullSettings& settings = {});
 
 // Returns, per piece, the mean plane of each of its contacts. The hulls of two pieces with a contact, cut along these
-// planes, do not overlap. Those of flat cuts cut nothing off.
+// planes, do not overlap. Those of flat cuts cut nothing off. A bond to a missing piece or without area gives no plane.
 [[nodiscard]] std::vector<std::vector<HullPlane>> contact_planes(const fracture::Fragments& fragments);
 
 // Returns one hull per piece, in the order of the fragments, relative to the piece's centre of mass, and cut along the
