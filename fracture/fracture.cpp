@@ -151,10 +151,11 @@ bool is_ample(const MassProperties& mass, const Box& box, double extent) {
     return mass.volume > 1e-12 * (mass.area * extent + diagonal * diagonal * diagonal);
 }
 
-// Merges pieces of one group, pieces below the minimum volume, and pieces without volume, with their neighbours. Where
-// a bisector runs along a face of the solid, symbolic perturbation may leave a sheet of zero thickness in the cell
-// across. `small` as in MergeRules.
-void merge(const Settings& settings, const Box& box, std::span<const uint8_t> small, Fragments& fragments) {
+// Chooses the pieces to merge with their neighbours: those of one group, those below the minimum volume, and those
+// without volume. Where a bisector runs along a face of the solid, symbolic perturbation may leave a sheet of zero
+// thickness in the cell across. `small` as in MergeRules. Returns the representative of each piece; empty for no merger.
+std::vector<uint32_t> choose_mergers(const Settings& settings, const Box& box, std::span<const uint8_t> small,
+                                     const Fragments& fragments) {
     const double extent = extent_of(box);
     std::vector<uint8_t> flat;
     for (size_t p = 0; p < fragments.pieces.size(); ++p) {
@@ -166,11 +167,17 @@ void merge(const Settings& settings, const Box& box, std::span<const uint8_t> sm
         flat.resize(fragments.pieces.size(), 0);
         flat[p] = 1;
     }
-    if (flat.empty() && small.empty() && settings.groups.empty() && settings.min_volume <= 0.0) return;
-    const auto start = std::chrono::steady_clock::now();
+    if (flat.empty() && small.empty() && settings.groups.empty() && settings.min_volume <= 0.0) return {};
+    return choose_mergers(fragments, {settings.groups, settings.min_volume, flat, small});
+}
+
+// Merges the pieces with equal representatives, if there are any. `start` is when choosing them began.
+void merge(std::span<const uint32_t> representative, std::chrono::steady_clock::time_point start,
+           const Settings& settings, Fragments& fragments) {
+    if (representative.empty()) return;
     Threads threads(settings.threads);
     threads.cancel_by(settings.cancelled);
-    merge_pieces(fragments, choose_mergers(fragments, {settings.groups, settings.min_volume, flat, small}), threads);
+    merge_pieces(fragments, representative, threads);
     const std::chrono::duration<double, std::milli> elapsed = std::chrono::steady_clock::now() - start;
     fragments.timings.push_back({"merge", elapsed.count()});
 }
@@ -251,7 +258,11 @@ Result<void> run_rough(const TriangleMesh& mesh, std::span<const glm::dvec3> sit
     state.rough.start(mesh, sites, settings);
     do {
         if (Result<void> done = state.rough.cut(mesh, sites, settings, state.exact, out); !done) return done;
-        merge(settings, bounds(mesh), state.rough.weigh(out), out);
+        const std::vector<uint8_t> flakes = state.rough.place(sites.size(), out);
+        const auto start = std::chrono::steady_clock::now();
+        const std::vector<uint32_t> representative = choose_mergers(settings, bounds(mesh), flakes, out);
+        state.rough.warp(out);
+        merge(representative, start, settings, out);
         state.rough.restore(mesh, sites.size(), out);
     } while (state.rough.calm(settings, out));
     return {};
@@ -293,7 +304,8 @@ Result<void> run_exact(const TriangleMesh& mesh, const Box& box, std::span<const
         volume = signed_volume(mesh.positions, mesh.triangles);
     }
     try {
-        merge(settings, box, {}, out);
+        const auto start = std::chrono::steady_clock::now();
+        merge(choose_mergers(settings, box, {}, out), start, settings, out);
     } catch (const Threads::Cancelled&) {
         return Error{Status::cancelled, "the fracture was cancelled"};
     }

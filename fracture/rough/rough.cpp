@@ -218,7 +218,7 @@ Result<void> RoughCut::cut(const TriangleMesh& mesh, std::span<const glm::dvec3>
     return {};
 }
 
-void RoughCut::weigh_in_place(Fragments& pieces) {
+void RoughCut::weigh(Fragments& pieces) {
     threads_.for_chunks(static_cast<uint32_t>(pieces.pieces.size()), 1, [&](uint32_t, uint32_t begin, uint32_t end) {
         for (uint32_t p = begin; p < end; ++p) {
             Piece& piece = pieces.pieces[p];
@@ -227,11 +227,12 @@ void RoughCut::weigh_in_place(Fragments& pieces) {
     });
 }
 
-std::vector<uint8_t> RoughCut::weigh(Fragments& pieces) {
-    std::vector<glm::dvec3> places = restorer_.places(pieces, threads_);
-    std::swap(places, pieces.positions);
-    weigh_in_place(pieces);
-    std::swap(places, pieces.positions);
+std::vector<uint8_t> RoughCut::place(size_t site_count, Fragments& pieces) {
+    Stopwatch watch;
+    cut_positions_ = restorer_.places(pieces, threads_);
+    std::swap(cut_positions_, pieces.positions);
+    weigh(pieces);
+    bonds_.run_bent(site_count, pieces);
     std::vector<uint8_t> flakes;
     for (size_t p = 0; p < pieces.pieces.size(); ++p) {
         const MassProperties& mass = pieces.pieces[p].mass;
@@ -239,14 +240,19 @@ std::vector<uint8_t> RoughCut::weigh(Fragments& pieces) {
         flakes.resize(pieces.pieces.size(), 0);
         flakes[p] = 1;
     }
+    watch.lap("weigh", pieces);
     return flakes;
+}
+
+void RoughCut::warp(Fragments& pieces) {
+    std::swap(cut_positions_, pieces.positions);
 }
 
 void RoughCut::restore(const TriangleMesh& mesh, size_t site_count, Fragments& pieces) {
     Stopwatch watch;
     pieces.positions = restorer_.places(pieces, threads_);
     restorer_.join_triangles(mesh, threads_, pieces);
-    weigh_in_place(pieces);
+    weigh(pieces);
     bonds_.run_bent(site_count, pieces);
     watch.lap("restore", pieces);
 }

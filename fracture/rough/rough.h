@@ -47,12 +47,15 @@ class RoughCut {
     [[nodiscard]] Result<void> cut(const TriangleMesh& mesh, std::span<const glm::dvec3> sites,
                                    const Settings& settings, exact::Scratch& scratch, Fragments& out);
 
-    // Gives the warped pieces the mass that they have in their places, for merging by volume. Returns, per piece, 1 for
-    // a flake, which a cut that grazes the surface leaves: its volume there is nearly zero or negative. A neighbour must
-    // absorb it. Empty where there is none.
-    [[nodiscard]] std::vector<uint8_t> weigh(Fragments& pieces);
+    // Moves the points of the last cut() to their places, and computes masses and bonds there: what decides which pieces
+    // to merge. Returns, per piece, 1 for a flake, which a cut that grazes the surface leaves: its volume is nearly zero
+    // or negative. A neighbour must absorb it. Empty where there is none.
+    [[nodiscard]] std::vector<uint8_t> place(size_t site_count, Fragments& pieces);
+    // Moves the points back to where they were cut, for merging: only there do pieces meet as the cut decided.
+    void warp(Fragments& pieces);
 
-    // Takes the pieces of the last cut(), merged or not, to their places. Computes mass and bonds anew.
+    // Moves the pieces of the last cut(), merged or not, to their places, with the outside's triangles joined. Computes
+    // masses and bonds anew.
     void restore(const TriangleMesh& mesh, size_t site_count, Fragments& pieces);
 
     // Looks for cuts that cross their piece. Returns true where the warp has been calmed around them and the solid must
@@ -60,7 +63,7 @@ class RoughCut {
     [[nodiscard]] bool calm(const Settings& settings, Fragments& pieces);
 
   private:
-    void weigh_in_place(Fragments& pieces);
+    void weigh(Fragments& pieces);
     void choose_spacing(const TriangleMesh& mesh, std::span<const glm::dvec3> sites, const Roughness& roughness);
 
     Threads threads_{1};
@@ -73,6 +76,7 @@ class RoughCut {
     uint32_t rounds_ = 0; // of calm()
     Warp warp_;
     std::vector<glm::dvec3> warped_positions_, warped_sites_;
+    std::vector<glm::dvec3> cut_positions_; // of the pieces, between place() and warp()
     SurfaceRefiner refiner_;
     Surface surface_;
     Restorer restorer_;

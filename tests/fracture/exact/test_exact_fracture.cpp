@@ -21,7 +21,8 @@ TEST_CASE("exact fracture: weights give the power diagram") {
     for (int round = 0; round < 40; ++round) {
         CAPTURE(round);
         const TriangleMesh mesh = round % 3 == 0 ? torus() : (round % 3 == 1 ? lattice_cube(3) : hollow_sphere(2));
-        auto sites = uniform_sites(bounds(mesh), 5 + static_cast<uint32_t>(random.next() % 30), random.next());
+        const uint64_t site_count = 5 + random.next() % 30;
+        auto sites = uniform_sites(bounds(mesh), static_cast<uint32_t>(site_count), random.next());
         Settings settings{.threads = 1};
         const bool rounded = round % 2 == 0; // rounded coordinates give many exact ties
         for (glm::dvec3& s : sites) {

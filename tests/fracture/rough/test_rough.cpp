@@ -111,7 +111,8 @@ TEST_CASE("rough cuts: closed, whole and without crossings on every shape") {
             CAPTURE(name);
             CAPTURE(amount);
             const TriangleMesh mesh = *shape(name);
-            const auto sites = uniform_sites(bounds(mesh), 5 + random.next() % 30, random.next());
+            const uint64_t site_count = 5 + random.next() % 30;
+            const auto sites = uniform_sites(bounds(mesh), static_cast<uint32_t>(site_count), random.next());
             Settings settings;
             settings.rough = {.amount = amount, .detail = 1 + static_cast<uint32_t>(random.next() % 2)};
             settings.rough.seed = random.next();
