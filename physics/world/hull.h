@@ -93,9 +93,8 @@ struct CollisionHull {
 [[nodiscard]] std::vector<std::vector<HullPlane>> contact_planes(const fracture::Fragments& fragments);
 
 // Returns one hull per piece, in the order of the fragments, relative to the piece's centre of mass, and cut along the
-// planes of its contacts. This is nearly
-// the whole cost of making bodies and may run ahead of time on any thread. It uses `threads` threads (0: one a core);
-// the result does not depend on their number.
+// planes of its contacts. This is nearly the whole cost of making bodies and may run ahead of time on any thread. It
+// uses `threads` threads (0: one a core); the result does not depend on their number.
 using PieceHulls = std::vector<std::shared_ptr<const CollisionHull>>;
 [[nodiscard]] PieceHulls collision_hulls(const fracture::Fragments& fragments, const HullSettings& settings = {},
                                          uint32_t threads = 0);

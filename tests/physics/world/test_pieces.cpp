@@ -231,6 +231,22 @@ TEST_CASE("pieces do not push apart at birth") {
     }
 }
 
+TEST_CASE("pieces of rough cuts do not push apart at birth") {
+    for (const char* name : {"cube", "wall", "statue"}) {
+        for (const double amount : {0.3, 1.0}) {
+            CAPTURE(name);
+            CAPTURE(amount);
+            const fracture::TriangleMesh mesh = *fracture::shape(name);
+            fracture::Settings settings;
+            settings.rough = {.amount = amount, .detail = 2};
+            const auto pieces =
+                fracture::fracture(mesh, fracture::uniform_sites(fracture::bounds(mesh), 30, 5), settings);
+            REQUIRE(pieces);
+            check_that_they_stay(*pieces);
+        }
+    }
+}
+
 TEST_CASE("hulls that are not shrunk push their neighbours apart") {
     // With hulls at full size the grid overlaps by two margins, which suffices.
     const auto fragments = test::grid_pieces(glm::dvec3(-0.5), glm::dvec3(0.5), 2, 2, 2);

@@ -2,7 +2,6 @@
 
 #include "fracture/io/import.h"
 #include "physics/material.h"
-#include "physics/world/hull.h"
 #include "tools/brittle/base/failure.h"
 #include "tools/brittle/recipe/recipe.h"
 
@@ -20,10 +19,11 @@ double density_of(const ExportSettings& settings, const physics::MaterialPreset*
 
 } // namespace
 
-fracture::TriangleMesh collision_mesh(const fracture::Fragments& fragments, const fracture::Piece& piece) {
+fracture::TriangleMesh collision_mesh(const fracture::Fragments& fragments, const fracture::Piece& piece,
+                                      std::span<const physics::HullPlane> planes) {
     const glm::dvec3 centre = piece.mass.centre_of_mass;
-    const physics::CollisionHull hull =
-        physics::collision_hull(fragments.positions_of(piece), centre, {.margin_fraction = min_margin});
+    const physics::CollisionHull hull = physics::collision_hull(fragments.positions_of(piece), centre,
+                                                                {.margin_fraction = min_margin, .planes = planes});
     fracture::TriangleMesh mesh = physics::hull_mesh(hull.points);
     for (glm::dvec3& p : mesh.positions) p += centre;
     return mesh;
@@ -37,6 +37,7 @@ fracture::ExportOptions export_options(const ExportSettings& settings, const Fra
                                        const Input& source) {
     fracture::ExportOptions options{.name = source.name, .recipe = recipe_json(recipe), .source = &source.model};
     options.per_piece = settings.per_piece;
+    options.rough = !roughness_of(recipe).is_flat();
     const physics::MaterialPreset* preset = physics::material_preset(recipe.material);
     if (preset) {
         options.exterior = fracture::Material{
@@ -58,8 +59,9 @@ std::vector<std::filesystem::path> write_pieces(const ExportSettings& settings, 
     options.sites = input.sites;
     std::vector<std::vector<fracture::TriangleMesh>> hulls;
     if (wants_hulls(settings)) {
-        for (const fracture::Piece& piece : broken.fragments.pieces)
-            hulls.push_back({collision_mesh(broken.fragments, piece)});
+        const std::vector<std::vector<physics::HullPlane>> planes = physics::contact_planes(broken.fragments);
+        for (size_t p = 0; p < planes.size(); ++p)
+            hulls.push_back({collision_mesh(broken.fragments, broken.fragments.pieces[p], planes[p])});
         options.hulls = hulls;
     }
     return must(fracture::export_pieces(settings.output, broken.fragments, broken.certificate, options));

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "fracture/io/export.h"
+#include "physics/world/hull.h"
 #include "tools/brittle/recipe/input.h"
 
 namespace brittle::tools {
@@ -26,8 +28,10 @@ struct ExportSettings {
 // Returns whether the settings include collision hulls.
 [[nodiscard]] bool wants_hulls(const ExportSettings& settings);
 
-// Returns the collision hull of a piece as a mesh, in the coordinates of the fragments.
-[[nodiscard]] fracture::TriangleMesh collision_mesh(const fracture::Fragments& fragments, const fracture::Piece& piece);
+// Returns the collision hull of a piece as a mesh, in the coordinates of the fragments. `planes` are those of its
+// contacts, see physics::contact_planes(), along which the hulls of rough pieces are cut.
+[[nodiscard]] fracture::TriangleMesh collision_mesh(const fracture::Fragments& fragments, const fracture::Piece& piece,
+                                                    std::span<const physics::HullPlane> planes);
 
 // Writes the pieces of a fracture at the places where they were cut, with the recipe. Returns the files written, the
 // one to open first. Throws a Failure.

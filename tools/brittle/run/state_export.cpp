@@ -142,13 +142,14 @@ void stop_if(const std::function<bool()>& cancelled) {
 // need.
 std::vector<std::vector<fracture::TriangleMesh>> hulls_of(const Snapshot& state, const fracture::Fragments& fragments,
                                                           const std::function<bool()>& cancelled) {
+    const std::vector<std::vector<physics::HullPlane>> planes = physics::contact_planes(fragments);
     std::vector<std::vector<fracture::TriangleMesh>> hulls;
     for (size_t p = 0; p < state.pieces.size(); ++p) {
         stop_if(cancelled);
         const fracture::Piece& piece = fragments.pieces[p];
         std::vector<fracture::TriangleMesh>& own = hulls.emplace_back();
         if (!state.pieces[p].solid) {
-            own.push_back(collision_mesh(fragments, piece));
+            own.push_back(collision_mesh(fragments, piece, planes[p]));
             continue;
         }
         const glm::dvec3 centre = piece.mass.centre_of_mass;
