@@ -97,8 +97,15 @@ Result<Files> write_pieces(const std::filesystem::path& file, const Fragments& f
     std::iota(pieces.begin(), pieces.end(), 0u);
     Files written;
     std::vector<StagedFile> staged; // so that a full disk leaves none of several files behind
+    std::optional<TriangleTree> outside;
+    if (options.rough && options.source) {
+        std::vector<uint32_t> all(options.source->mesh.triangles.size());
+        std::iota(all.begin(), all.end(), 0u);
+        outside.emplace(options.source->mesh, std::move(all));
+    }
+    const TriangleTree* const tree = outside ? &*outside : nullptr;
     if (!options.per_piece) {
-        const ExportJob job{fragments, certificate, options, pieces, file.stem().string()};
+        const ExportJob job{fragments, certificate, options, pieces, file.stem().string(), tree};
         if (Result<void> done = stage_job(file, writer, job, staged, written); !done) return done.error();
     }
     for (size_t k = 0; options.per_piece && k < pieces.size(); ++k) {
@@ -106,7 +113,8 @@ Result<Files> write_pieces(const std::filesystem::path& file, const Fragments& f
         std::snprintf(number, sizeof number, "_%03u", pieces[k]);
         const std::filesystem::path one =
             file.parent_path() / (file.stem().string() + number + file.extension().string());
-        const ExportJob job{fragments, certificate, options, std::span(pieces).subspan(k, 1), one.stem().string()};
+        const ExportJob job{fragments,           certificate, options, std::span(pieces).subspan(k, 1),
+                            one.stem().string(), tree};
         if (Result<void> done = stage_job(one, writer, job, staged, written); !done) return done.error();
     }
     for (StagedFile& one : staged)
@@ -120,6 +128,10 @@ std::string piece_name(const ExportOptions& options, uint32_t piece) {
     char number[16];
     std::snprintf(number, sizeof number, "_%03u", piece);
     return options.name + number;
+}
+
+SurfaceSettings surface_settings(const ExportJob& job) {
+    return {job.options.source, job.options.sites, job.options.uv_by_plane, job.options.rough, job.outside};
 }
 
 glm::dvec3 placed(const ExportJob& job, uint32_t piece, const glm::dvec3& point) {

@@ -56,9 +56,12 @@ struct ExportOptions {
     const Model* source = nullptr;
     std::span<const glm::dvec3> sites{}; // of the fracture, for texture coordinates in metres on the cuts; may be empty
     bool uv_by_plane = false;            // without sites: texture coordinates of each cut from its own plane
-    std::span<const PiecePose> poses{};  // one per piece; empty: all pieces lie where they were cut
-    std::optional<Material> exterior{};  // for surfaces without a source material; default: a light stone
-    std::optional<Material> interior{};  // of the cuts; default: a dark brown. Combined with interior_image
+    // The cuts are rough: their normals are smooth, their texture coordinates lie along the mean plane of each cut, and a
+    // GLB file gets a second set with the depth below the outside of `source` (u, in metres) for shading.
+    bool rough = false;
+    std::span<const PiecePose> poses{};    // one per piece; empty: all pieces lie where they were cut
+    std::optional<Material> exterior{};    // for surfaces without a source material; default: a light stone
+    std::optional<Material> interior{};    // of the cuts; default: a dark brown. Combined with interior_image
     std::optional<Image> interior_image{}; // base colour of the cuts, repeated every metre
     bool per_piece = false;                // one file per piece: NAME.glb becomes NAME_000.glb, NAME_001.glb, ...
 

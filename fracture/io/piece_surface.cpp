@@ -16,6 +16,10 @@ namespace {
 // The least cosine of the angle between the normals of triangles in one plane.
 constexpr double same_plane = 0.99999;
 
+// The least cosine of the angle between normals that are smoothed, and between a triangle of a cut and the plane of its
+// texture coordinates.
+constexpr double max_crease = 0.5;
+
 // Triangles with a height below this share of their longest side have no reliable plane.
 constexpr double min_height = 1e-6;
 
@@ -62,6 +66,57 @@ glm::vec3 normal_of(std::span<const glm::dvec3> positions, std::span<const Trian
     return glm::vec3(glm::normalize(sum / largest));
 }
 
+// Normals and texture coordinates of one rough cut of a piece.
+class RoughSurface {
+  public:
+    // `order` as by_plane() gives it, of one source.
+    void start(std::span<const glm::dvec3> positions, std::span<const Triangle> triangles,
+               std::span<const std::array<uint32_t, 3>> order) {
+        areas_.clear();
+        around_.clear();
+        glm::dvec3 sum(0.0);
+        for (const auto& [source, number, t] : order) {
+            const glm::dvec3& a = positions[triangles[t].x];
+            const auto index = static_cast<uint32_t>(areas_.size());
+            areas_.push_back(glm::cross(positions[triangles[t].y] - a, positions[triangles[t].z] - a));
+            sum += areas_.back();
+            for (int k = 0; k < 3; ++k) around_.push_back({triangles[t][k], index});
+        }
+        std::sort(around_.begin(), around_.end());
+        mean_ = unit_or_zero(sum);
+    }
+
+    // The normal of a corner of the given triangle, an index into `order`; 0 for a triangle without area.
+    [[nodiscard]] glm::vec3 normal(uint32_t triangle, uint32_t vertex) const {
+        const glm::dvec3 own = unit_or_zero(areas_[triangle]);
+        glm::dvec3 sum(0.0);
+        for (auto at = std::lower_bound(around_.begin(), around_.end(), std::array<uint32_t, 2>{vertex, 0});
+             at != around_.end() && (*at)[0] == vertex; ++at) {
+            const glm::dvec3& area = areas_[(*at)[1]];
+            if (glm::dot(own, area) > max_crease * glm::length(area)) sum += area;
+        }
+        return glm::vec3(unit_or_zero(sum));
+    }
+
+    // The normal of the plane of a triangle's texture coordinates: that of the whole cut, or the triangle's own where
+    // the cut is bent away from it.
+    [[nodiscard]] glm::dvec3 plane(uint32_t triangle) const {
+        const glm::dvec3 own = unit_or_zero(areas_[triangle]);
+        return glm::dot(own, mean_) > max_crease || own == glm::dvec3(0.0) ? mean_ : own;
+    }
+
+  private:
+    // Scaled first, because the squares of tiny areas would underflow.
+    [[nodiscard]] static glm::dvec3 unit_or_zero(const glm::dvec3& v) {
+        const double largest = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+        return largest > 0.0 ? glm::normalize(v / largest) : glm::dvec3(0.0);
+    }
+
+    std::vector<glm::dvec3> areas_;               // per triangle: twice its area vector
+    std::vector<std::array<uint32_t, 2>> around_; // vertex, triangle
+    glm::dvec3 mean_{0.0};
+};
+
 // The attributes of a corner, as a key.
 struct Corner {
     uint32_t vertex = 0;
@@ -89,16 +144,20 @@ struct HashCorner {
 
 class PartBuilder {
   public:
-    PartBuilder(const Fragments& fragments, const Piece& piece, const Model* source, std::span<const glm::dvec3> sites,
-                bool uv_by_plane)
-        : fragments_(fragments), piece_(piece), source_(source), sites_(sites),
-          uv_by_plane_(uv_by_plane && sites.empty()) {}
+    PartBuilder(const Fragments& fragments, const Piece& piece, const SurfaceSettings& settings)
+        : fragments_(fragments), piece_(piece), source_(settings.source), sites_(settings.sites),
+          uv_by_plane_(settings.uv_by_plane && settings.sites.empty()), rough_(settings.rough),
+          outside_(settings.rough && (uv_by_plane_ || !sites_.empty()) ? settings.outside : nullptr) {}
 
     std::vector<DrawnPart> build() {
         add_exterior();
         if (piece_.exterior_triangles < piece_.triangles.size()) {
             begin_part(no_material, true);
-            add(by_plane(fragments_, piece_, piece_.exterior_triangles, piece_.triangles.size()));
+            const auto order = by_plane(fragments_, piece_, piece_.exterior_triangles, piece_.triangles.size());
+            if (rough_)
+                add_rough(order);
+            else
+                add(order);
         }
         return std::move(parts_);
     }
@@ -139,6 +198,53 @@ class PartBuilder {
                 }
             }
         }
+    }
+
+    void add_rough(std::span<const std::array<uint32_t, 3>> order) {
+        const auto positions = fragments_.positions_of(piece_);
+        const auto triangles = fragments_.triangles_of(piece_);
+        measure_depths();
+        RoughSurface cut;
+        for (size_t first = 0, last = 0; first < order.size(); first = last) {
+            while (last < order.size() && order[last][0] == order[first][0]) ++last;
+            const auto of_cut = order.subspan(first, last - first);
+            cut.start(positions, triangles, of_cut);
+            const glm::dvec3 middle = middle_of(of_cut[0][0]);
+            for (uint32_t k = 0; k < of_cut.size(); ++k) {
+                const uint32_t t = of_cut[k][2];
+                const glm::vec3 flat = normal_of(positions, triangles, of_cut.subspan(k, 1));
+                const glm::dvec3 plane = cut.plane(k) == glm::dvec3(0.0) ? glm::dvec3(flat) : cut.plane(k);
+                for (int c = 0; c < 3; ++c) {
+                    Corner corner;
+                    const uint32_t v = corner.vertex = triangles[t][c];
+                    corner.normal = cut.normal(k, v);
+                    if (corner.normal == glm::vec3(0.0f)) corner.normal = flat;
+                    const glm::dvec2 uv = plane_uv(plane, positions[v] - middle);
+                    if (uv_by_plane_ || !sites_.empty()) corner.uv[0] = glm::vec2(uv.x, -uv.y);
+                    if (outside_) corner.uv[1].x = depths_[v];
+                    add(corner);
+                }
+            }
+        }
+    }
+
+    // The origin of a cut's texture coordinates, equal on both sides.
+    [[nodiscard]] glm::dvec3 middle_of(uint32_t other) const {
+        return sites_.empty() ? glm::dvec3(0.0) : 0.5 * sites_[piece_.site] + 0.5 * sites_[other];
+    }
+
+    // Fills depths_. The points of the outside have exactly 0.
+    void measure_depths() {
+        if (!outside_) return;
+        const auto positions = fragments_.positions_of(piece_);
+        const auto triangles = fragments_.triangles_of(piece_);
+        depths_.assign(positions.size(), -1.0f);
+        for (const Triangle& t : triangles.first(piece_.exterior_triangles))
+            depths_[t.x] = depths_[t.y] = depths_[t.z] = 0.0f;
+        for (const Triangle& t : triangles.subspan(piece_.exterior_triangles))
+            for (int k = 0; k < 3; ++k)
+                if (float& depth = depths_[t[k]]; depth < 0.0f)
+                    depth = static_cast<float>(outside_->distance(positions[t[k]]));
     }
 
     [[nodiscard]] std::array<Corner, 3> interior_corners(uint32_t t, const glm::vec3& normal) const {
@@ -187,7 +293,7 @@ class PartBuilder {
             part.vertices.push_back(corner.vertex);
             part.normals.push_back(corner.normal);
             for (size_t set = 0; set < 2; ++set)
-                if (part.interior ? set == 0 && (!sites_.empty() || uv_by_plane_)
+                if (part.interior ? (set == 0 ? !sites_.empty() || uv_by_plane_ : outside_ != nullptr)
                                   : source_ && !source_->uv[set].empty())
                     part.uv[set].push_back(corner.uv[set]);
             if (!part.interior && source_ && !source_->colours.empty()) part.colours.push_back(corner.colour);
@@ -199,16 +305,17 @@ class PartBuilder {
     const Piece& piece_;
     const Model* source_;
     std::span<const glm::dvec3> sites_;
-    bool uv_by_plane_;
+    bool uv_by_plane_, rough_;
+    const TriangleTree* outside_;
+    std::vector<float> depths_; // per vertex of the piece
     std::vector<DrawnPart> parts_;
     std::unordered_map<Corner, uint32_t, HashCorner> known_; // of the current part
 };
 
 } // namespace
 
-std::vector<DrawnPart> drawn_parts(const Fragments& fragments, const Piece& piece, const Model* source,
-                                   std::span<const glm::dvec3> sites, bool uv_by_plane) {
-    return PartBuilder(fragments, piece, source, sites, uv_by_plane).build();
+std::vector<DrawnPart> drawn_parts(const Fragments& fragments, const Piece& piece, const SurfaceSettings& settings) {
+    return PartBuilder(fragments, piece, settings).build();
 }
 
 } // namespace brittle::fracture

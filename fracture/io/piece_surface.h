@@ -12,6 +12,7 @@
 #include <glm/vec4.hpp>
 
 #include "fracture/io/model.h"
+#include "fracture/mesh/triangle_tree.h"
 #include "fracture/pieces/fragments.h"
 
 namespace brittle::fracture {
@@ -21,19 +22,31 @@ namespace brittle::fracture {
 struct DrawnPart {
     uint32_t material = no_material; // of the source; no_material for the interior
     bool interior = false;
-    std::vector<uint32_t> vertices{};           // of the piece, relative to Piece::vertices.begin
-    std::vector<glm::vec3> normals{};           // unit
-    std::array<std::vector<glm::vec2>, 2> uv{}; // v points down; in metres on interior parts
+    std::vector<uint32_t> vertices{}; // of the piece, relative to Piece::vertices.begin
+    std::vector<glm::vec3> normals{}; // unit
+    // v points down. On interior parts the first set is in metres along the cut, and the second has the depth below the
+    // outside, in metres, and 0.
+    std::array<std::vector<glm::vec2>, 2> uv{};
     std::vector<glm::vec4> colours{};
     std::vector<uint32_t> indices{}; // three per triangle, into the lists above
+};
+
+struct SurfaceSettings {
+    // As in ExportOptions.
+    const Model* source = nullptr;
+    std::span<const glm::dvec3> sites{};
+    bool uv_by_plane = false;
+    bool rough = false;
+    const TriangleTree* outside = nullptr; // of the source's mesh, for the depth of rough cuts; or null
 };
 
 // Returns the exterior parts in order of material, the one without a material first, then the interior part. Parts
 // without triangles are omitted.
 //
 // Where the source has no normals the part is flat shaded: triangles of one triangle_source in one plane share its
-// normal, so a sliver gets the normal of its plane. `source`, `sites` and `uv_by_plane` as in ExportOptions.
-[[nodiscard]] std::vector<DrawnPart> drawn_parts(const Fragments& fragments, const Piece& piece, const Model* source,
-                                                 std::span<const glm::dvec3> sites, bool uv_by_plane = false);
+// normal, so a sliver gets the normal of its plane. Rough cuts are smooth within each cut, and sharp at its border:
+// the normal of a corner is the area-weighted mean of the triangles of the cut around it, except across creases.
+[[nodiscard]] std::vector<DrawnPart> drawn_parts(const Fragments& fragments, const Piece& piece,
+                                                 const SurfaceSettings& settings);
 
 } // namespace brittle::fracture

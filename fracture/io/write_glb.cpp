@@ -184,8 +184,7 @@ class GlbWriter {
         const std::string name = piece_name(options_, p);
         Json primitives = Json::array();
         const bool touches = has_touching_points(piece, origin);
-        for (const DrawnPart& part :
-             drawn_parts(job_.fragments, piece, source_, options_.sites, options_.uv_by_plane)) {
+        for (const DrawnPart& part : drawn_parts(job_.fragments, piece, surface_settings(job_))) {
             Result<Json> primitive = add_part(part, piece, origin, name, touches);
             if (!primitive) return primitive.error();
             primitives.push_back(std::move(*primitive));

@@ -78,8 +78,7 @@ class ObjWriter {
             for (int k = 0; k < 3; ++k) append(obj_, at[k]);
             obj_ += '\n';
         }
-        for (const DrawnPart& part :
-             drawn_parts(job_.fragments, piece, source_, job_.options.sites, job_.options.uv_by_plane)) {
+        for (const DrawnPart& part : drawn_parts(job_.fragments, piece, surface_settings(job_))) {
             const bool has_uv = !part.uv[0].empty();
             for (const glm::vec2& at : part.uv[0]) {
                 obj_ += "vt";

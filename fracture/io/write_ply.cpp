@@ -66,7 +66,7 @@ Result<std::vector<OutputFile>> write_ply(const ExportJob& job) {
         const auto positions = job.fragments.positions_of(piece);
         if (has_colours) {
             std::unordered_map<uint64_t, uint32_t> written; // key: vertex and colour
-            for (const DrawnPart& part : drawn_parts(job.fragments, piece, source, {})) {
+            for (const DrawnPart& part : drawn_parts(job.fragments, piece, {.source = source})) {
                 const auto vertex = [&](size_t k) {
                     const uint32_t corner = part.indices[k], v = part.vertices[corner];
                     const uint32_t colour = part.interior ? of_cuts : bytes_of(part.colours[corner]);

@@ -10,6 +10,7 @@
 
 #include "fracture/base/error.h"
 #include "fracture/io/export.h"
+#include "fracture/io/piece_surface.h"
 
 namespace brittle::fracture {
 
@@ -25,10 +26,14 @@ struct ExportJob {
     const ExportOptions& options;
     std::span<const uint32_t> pieces; // indices into Fragments::pieces
     std::string stem;                 // of the file name, for the names of files beside it
+    const TriangleTree* outside;      // of the source's mesh, for rough cuts; else null
 };
 
 // The name of a piece: NAME_000, ...
 [[nodiscard]] std::string piece_name(const ExportOptions& options, uint32_t piece);
+
+// How to draw the surface of the pieces.
+[[nodiscard]] SurfaceSettings surface_settings(const ExportJob& job);
 
 // A point and a direction of a piece after its pose, if it has one.
 [[nodiscard]] glm::dvec3 placed(const ExportJob& job, uint32_t piece, const glm::dvec3& point);

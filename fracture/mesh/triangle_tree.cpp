@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+
+#include "fracture/mesh/nearest.h"
 
 namespace brittle::fracture {
 
@@ -107,6 +110,37 @@ std::optional<double> TriangleTree::first_hit(const glm::dvec3& origin, const gl
         }
     }
     return nearest < infinity ? std::optional(nearest) : std::nullopt;
+}
+
+double TriangleTree::distance(const glm::dvec3& point) const {
+    const auto squared = [&](const glm::dvec3& q) { return glm::dot(q - point, q - point); };
+    const auto to_box = [&](uint32_t node) { return squared(glm::clamp(point, nodes_[node].min, nodes_[node].max)); };
+    double nearest = infinity; // squared
+    struct Visit {
+        uint32_t node;
+        double squared;
+    };
+    std::array<Visit, 128> stack; // at most depth + 1 nodes wait here
+    size_t size = 0;
+    if (root_ != no_index) stack[size++] = {root_, to_box(root_)};
+    while (size > 0) {
+        const Visit visit = stack[--size];
+        if (!(visit.squared < nearest)) continue;
+        const Node& node = nodes_[visit.node];
+        if (node.low != no_index) {
+            Visit near{node.low, to_box(node.low)}, far{node.high, to_box(node.high)};
+            if (far.squared < near.squared) std::swap(near, far);
+            stack[size++] = far;
+            stack[size++] = near;
+            continue;
+        }
+        for (uint32_t k = node.begin; k < node.end; ++k) {
+            const Triangle& t = mesh_.triangles[order_[k]];
+            nearest = std::min(nearest, squared(nearest_on_triangle(point, mesh_.positions[t.x], mesh_.positions[t.y],
+                                                                    mesh_.positions[t.z])));
+        }
+    }
+    return std::sqrt(nearest);
 }
 
 std::optional<double> first_hit(std::span<const glm::dvec3> positions, std::span<const Triangle> triangles,

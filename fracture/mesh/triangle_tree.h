@@ -39,6 +39,9 @@ class TriangleTree {
     [[nodiscard]] std::optional<double> first_hit(const glm::dvec3& origin, const glm::dvec3& direction,
                                                   uint32_t excluded, uint64_t* visits = nullptr) const;
 
+    // Returns the distance of a point to the nearest triangle; infinity if there are none.
+    [[nodiscard]] double distance(const glm::dvec3& point) const;
+
   private:
     uint32_t build(uint32_t begin, uint32_t end);
 

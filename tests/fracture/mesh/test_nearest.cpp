@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <vector>
 
 #include <doctest/doctest.h>
 #include <glm/geometric.hpp>
 
 #include "fracture/base/random.h"
+#include "fracture/mesh/triangle_tree.h"
 #include "fracture/shapes/shapes.h"
 
 using namespace brittle;
@@ -20,6 +22,26 @@ TEST_CASE("nearest_on() returns the nearest surface point, and the point itself 
     CHECK(glm::distance(nearest_on(block, {5.0, 7.0, 0.2}), {1.0, 1.0, 0.2}) < 1e-12);
     CHECK(glm::distance(nearest_on(block, {5.0, 7.0, -9.0}), {1.0, 1.0, -1.0}) < 1e-12);
     CHECK(glm::distance(nearest_on(block, {0.9, 0.1, 0.0}), {1.0, 0.1, 0.0}) < 1e-12);
+}
+
+TEST_CASE("TriangleTree: the distance of a point agrees with a search through all triangles") {
+    for (const char* name : {"icosphere", "statue", "cube"}) {
+        CAPTURE(name);
+        const TriangleMesh mesh = *shape(name);
+        std::vector<uint32_t> all(mesh.triangles.size());
+        std::iota(all.begin(), all.end(), 0u);
+        const TriangleTree tree(mesh, all);
+        Box box = bounds(mesh);
+        const glm::dvec3 size = box.size();
+        box = {box.min - 0.5 * size, box.max + 0.5 * size};
+        Random random(7);
+        for (int i = 0; i < 100; ++i) {
+            const glm::dvec3 p = random.uniform_in(box);
+            CHECK(tree.distance(p) == doctest::Approx(glm::distance(p, nearest_on(mesh, p))));
+        }
+        CHECK(tree.distance(mesh.positions[0]) == 0.0);
+    }
+    CHECK(std::isinf(TriangleTree(cube(1.0), {}).distance({0.0, 0.0, 0.0})));
 }
 
 TEST_CASE("nearest_on_triangle() agrees with a fine sampling of the triangle") {
