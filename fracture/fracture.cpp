@@ -289,6 +289,7 @@ Result<void> run_exact(const TriangleMesh& mesh, const Box& box, std::span<const
                        const Settings& settings, Workspace::State& state, Fragments& out) {
     if (!settings.rough.is_flat()) return run_rough(mesh, box, sites, settings, state, out);
     out.crossings = 0;
+    out.rough_triangles = 0;
     Result<void> done = exact::fracture_exact(mesh, sites, settings, state.exact, out);
     if (!done && only_touches(mesh, done.error())) {
         const TriangleMesh split = split_fans(mesh);

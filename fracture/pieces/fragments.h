@@ -96,6 +96,7 @@ struct Fragments {
     std::vector<Bond> bonds;   // ordered by (a, b); empty if the algorithm finds no bonds
     // Triangles of rough cuts that cross another triangle of their piece, see Settings::rough. Usually 0.
     uint32_t crossings = 0;
+    uint64_t rough_triangles = 0; // the triangles that roughness added: two for each point that it added to a piece
     std::vector<Milliseconds> timings;
 
     [[nodiscard]] std::span<const glm::dvec3> positions_of(const Piece& piece) const {

@@ -113,6 +113,37 @@ void Restorer::follow_surface(const Fragments& pieces, Threads& threads) {
         if (sums[n].weight > 0.0) node_places_[n] += sums[n].error / sums[n].weight;
 }
 
+// Fills is_inner_.
+void Restorer::find_inner_edge_points() {
+    is_inner_.assign(cut_->edge_points.size(), 0);
+    if (surface_->source.empty()) return;
+    std::vector<uint32_t> beside(is_inner_.size(), no_index); // the input triangle on one side
+    for (const exact::CrossingTriangle& crossing : cut_->crossing) {
+        const uint32_t source = surface_->source[crossing.triangle];
+        for (int k = 0; k < 3; ++k) {
+            for (uint32_t p = crossing.first[k]; p < crossing.first[k] + crossing.count[k]; ++p) {
+                is_inner_[p] = beside[p] == source ? 1 : 0;
+                beside[p] = source;
+            }
+        }
+    }
+}
+
+// Counts two triangles for each point of a piece that roughness added: by Euler's formula, that is how many a point adds
+// to a closed surface. Points from `first_added` on were added by the joining.
+uint64_t Restorer::count_added(const Fragments& fragments, uint32_t first_added) const {
+    const auto added = [&](uint32_t point) {
+        const uint32_t kind = point >> 30, index = point & 0x3fffffffu;
+        if (point >= first_added) return true;
+        if (kind == VertexId::edge) return index < is_inner_.size() && is_inner_[index] != 0;
+        // Four cells meet in a Voronoi vertex.
+        return kind == VertexId::node && index < cut_->nodes.size() && cut_->nodes[index].cells[3] == no_index;
+    };
+    uint64_t triangles = 0;
+    for (const uint32_t point : fragments.vertex_point) triangles += added(point) ? 2 : 0;
+    return triangles;
+}
+
 void Restorer::start(const Surface& surface, const exact::Cut& cut, const exact::Scene& scene, const Warp& warp,
                      double spacing, const Fragments& pieces, Threads& threads) {
     surface_ = &surface;
@@ -122,6 +153,7 @@ void Restorer::start(const Surface& surface, const exact::Cut& cut, const exact:
     spacing_ = spacing;
     place_surface_points(threads);
     place_nodes(threads);
+    find_inner_edge_points();
     if (spacing > 0.0) follow_surface(pieces, threads);
 }
 
@@ -494,7 +526,12 @@ void Restorer::Joiner::join(const Fragments& from, const Piece& piece, Fragments
 }
 
 void Restorer::join_triangles(const TriangleMesh& input, Threads& threads, Fragments& fragments) {
-    if (surface_->source.empty()) return;
+    uint32_t next_point = 0;
+    for (const uint32_t point : fragments.vertex_point) next_point = std::max(next_point, point + 1);
+    if (surface_->source.empty()) {
+        fragments.rough_triangles = count_added(fragments, next_point);
+        return;
+    }
     std::vector<uint32_t> parts_of_source(input.triangles.size(), 0);
     for (const uint32_t source : surface_->source) ++parts_of_source[source];
     const uint32_t pieces = size_of(fragments.pieces);
@@ -504,8 +541,6 @@ void Restorer::join_triangles(const TriangleMesh& input, Threads& threads, Fragm
         for (uint32_t p = begin; p < end; ++p) joiner.join(fragments, fragments.pieces[p], parts[chunk]);
     });
     Fragments joined;
-    uint32_t next_point = 0;
-    for (const uint32_t point : fragments.vertex_point) next_point = std::max(next_point, point + 1);
     const uint32_t first_new = size_of(input.positions);
     uint32_t next_added = next_point + size_of(surface_->positions) - first_new;
     for (Fragments& part : parts) {
@@ -528,6 +563,7 @@ void Restorer::join_triangles(const TriangleMesh& input, Threads& threads, Fragm
     }
     joined.bonds = std::move(fragments.bonds);
     joined.timings = std::move(fragments.timings);
+    joined.rough_triangles = count_added(joined, next_point);
     fragments = std::move(joined);
 }
 

@@ -37,7 +37,7 @@ class Restorer {
     [[nodiscard]] std::vector<glm::dvec3> places(const Fragments& fragments, Threads& threads) const;
 
     // Joins the parts of the input's triangles, in pieces whose vertices are in their places. Sets triangle_source to
-    // input triangles and vertex_point to input vertices.
+    // input triangles and vertex_point to input vertices, and rough_triangles.
     void join_triangles(const TriangleMesh& input, Threads& threads, Fragments& fragments);
 
   private:
@@ -46,12 +46,15 @@ class Restorer {
     void place_surface_points(Threads& threads);
     void place_nodes(Threads& threads);
     void follow_surface(const Fragments& pieces, Threads& threads);
+    void find_inner_edge_points();
+    [[nodiscard]] uint64_t count_added(const Fragments& fragments, uint32_t first_added) const;
 
     const Surface* surface_ = nullptr;
     const exact::Cut* cut_ = nullptr;
     const exact::Scene* scene_ = nullptr;
     const Warp* warp_ = nullptr;
     double spacing_ = 0.0;
+    std::vector<uint8_t> is_inner_; // per edge point: 1 on an edge inside a divided input triangle
     std::vector<glm::dvec3> edge_places_, pierce_places_, node_places_;
 };
 

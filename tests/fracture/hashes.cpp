@@ -1,4 +1,4 @@
-// Prints the hashes of thirteen fractures, on which every compiler, optimisation level and thread count must agree.
+// Prints the hashes of sixteen fractures, on which every compiler, optimisation level and thread count must agree.
 // tests/fracture/hashes.txt holds the expected output; tools/check-hashes compares, and --update rewrites the file.
 #include <cinttypes>
 #include <cstdio>
@@ -39,6 +39,11 @@ int main() {
     sequential.algorithm = Algorithm::sequential;
     for (uint32_t k = 0; k < 60; ++k) groups.groups.push_back(k % 4);
     merged.min_volume = 0.02;
+    Settings rough, rough_groups, grain;
+    rough.rough = {.amount = 0.5, .detail = 2};
+    rough_groups.groups = groups.groups;
+    rough_groups.rough = {.amount = 1.0};
+    grain.rough = {.amount = 0.8, .wavelength = 0.3, .grain = {0.0, 4.0, 0.0}};
     TriangleMesh far = ball;
     for (glm::dvec3& p : far.positions) p = p * 1e-3 + glm::dvec3(1e6, -1e6, 1e6);
     bool good = print("icosphere", ball, uniform(ball, 100));
@@ -53,6 +58,10 @@ int main() {
     good &= print("own_vertices", ball, Sites(ball.positions.begin(), ball.positions.begin() + 60));
     good &= print("groups", ball, uniform(ball, 60), groups);
     good &= print("min_volume", ball, uniform(ball, 100), merged);
+    good &= print("rough", ring, uniform(ring, 50), rough);
+    good &= print("rough_groups", ball, uniform(ball, 60), rough_groups);
+    good &= print("rough_grain", cuboid({1.0, 3.0, 0.5}), uniform_sites({{-0.5, -1.5, -0.25}, {0.5, 1.5, 0.25}}, 20, 1),
+                  grain);
     good &= print("sequential", icosphere(2), uniform(ball, 20), sequential);
     return good ? 0 : 1;
 }

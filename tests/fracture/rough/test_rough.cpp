@@ -121,6 +121,22 @@ TEST_CASE("rough cuts: closed, whole and without crossings on every shape") {
     }
 }
 
+TEST_CASE("rough cuts: the triangles that roughness added are those that the flat pieces do not have") {
+    const TriangleMesh box = cuboid({2.0, 2.0, 2.0});
+    const std::vector<glm::dvec3> slabs{{0, 0, -0.7}, {0, 0, 0.1}, {0, 0, 0.8}};
+    for (const double amount : {0.05, 0.3}) {
+        for (const auto& sites : {slabs, uniform_sites(bounds(box), 6, 2)}) {
+            Settings settings;
+            const Fragments flat = rough_pieces(box, sites, settings);
+            CHECK(flat.rough_triangles == 0);
+            settings.rough = {.amount = amount, .wavelength = 0.8};
+            const Fragments rough = rough_pieces(box, sites, settings);
+            CHECK(rough.rough_triangles > 500);
+            CHECK(rough.triangles.size() - rough.rough_triangles == flat.triangles.size());
+        }
+    }
+}
+
 TEST_CASE("rough cuts: sites in special position, slabs, lattices, touching solids, thin plates") {
     const TriangleMesh box = cuboid({2.0, 2.0, 2.0});
     Settings settings;

@@ -55,8 +55,8 @@ std::string report_text(const Input& input, const Broken& broken) {
     text +=
         format("  triangles  %" PRIu64 " out, %" PRIu64 " of them on cut faces\n", c.triangles_out, c.cap_triangles);
     if (!broken.rough.is_flat())
-        text += format("  roughness  %.3g, detail %u: cut faces have more triangles than flat ones\n",
-                       broken.rough.amount, broken.rough.detail);
+        text += format("  roughness  %.3g, detail %u: %" PRIu64 " of the triangles were added for it\n",
+                       broken.rough.amount, broken.rough.detail, broken.fragments.rough_triangles);
     if (broken.fragments.crossings > 0)
         text += format("  crossings  %u triangles of rough cuts cross their piece; choose less --roughness\n",
                        broken.fragments.crossings);
@@ -78,6 +78,7 @@ std::string report_json(const Input& input, const Broken& broken, const std::str
     report.update(nlohmann::ordered_json::parse(fracture::certificate_json(c)));
     report["islands"] = c.pieces - c.cells;
     report["roughness"] = broken.rough.amount;
+    report["rough_triangles"] = broken.fragments.rough_triangles;
     report["crossings"] = broken.fragments.crossings;
     report["milliseconds"] = milliseconds;
     report["recipe"] = nlohmann::ordered_json::parse(recipe);
