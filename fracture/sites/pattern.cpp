@@ -4,6 +4,8 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <iterator>
+#include <limits>
 #include <numbers>
 #include <string>
 #include <tuple>
@@ -24,6 +26,8 @@ namespace brittle::fracture {
 namespace {
 
 constexpr uint32_t max_sites = 1'000'000;
+constexpr uint32_t max_cells = 1000;    // of a piece
+constexpr uint32_t max_ball_draws = 20; // per cell of a piece
 constexpr double pi = std::numbers::pi;
 
 // The largest radius of a site's ball at grading 1, as a fraction of the mean distance between sites.
@@ -59,12 +63,93 @@ Result<void> check(const Pattern& p) {
     if (!(p.slenderness >= 1.0) || !(p.slenderness <= 1e4))
         return bad("slenderness", number(p.slenderness), "1 to 10,000");
     if (!(p.grading >= 0.0) || !(p.grading <= 1.0)) return bad("grading", number(p.grading), "0 to 1");
+    if (p.cells_per_piece < 1 || p.cells_per_piece > max_cells)
+        return bad("cells_per_piece", std::to_string(p.cells_per_piece), "1 to 1,000");
     if (p.kind == PatternKind::curve) {
         if (p.line.size() < 2) return bad("line", std::to_string(p.line.size()) + " points", "two points or more");
         for (const glm::dvec3& at : p.line)
             if (!finite(at)) return bad("line", "not finite", "finite numbers");
     }
     return {};
+}
+
+// Finds the site whose cell holds a point. The sites are sorted along the longest side of their box; a search walks away
+// from the point in both directions until no site further on can be nearer.
+class CellSearch {
+  public:
+    explicit CellSearch(const PatternSites& made) : made_(made) {
+        const glm::dvec3 size = bounds(made.sites).size();
+        axis_ = size.x >= size.y && size.x >= size.z ? 0 : (size.y >= size.z ? 1 : 2);
+        for (uint32_t s = 0; s < made.sites.size(); ++s) order_.push_back(s);
+        std::sort(order_.begin(), order_.end(), [&](uint32_t a, uint32_t b) {
+            const double x = made_.sites[a][axis_], y = made_.sites[b][axis_];
+            return x != y ? x < y : a < b;
+        });
+        for (const double weight : made.weights) max_weight_ = std::max(max_weight_, weight);
+    }
+
+    // Leaves out the site `except`. Precondition: there is another one.
+    [[nodiscard]] uint32_t at(const glm::dvec3& p, uint32_t except = no_index) const {
+        const auto after = std::lower_bound(order_.begin(), order_.end(), p[axis_],
+                                            [&](uint32_t s, double x) { return made_.sites[s][axis_] < x; })
+                           - order_.begin();
+        uint32_t best = no_index;
+        double least = std::numeric_limits<double>::infinity();
+        const auto visit = [&](uint32_t s) { // returns false where no further site can be nearer
+            const glm::dvec3 d = made_.sites[s] - p;
+            if (d[axis_] * d[axis_] - max_weight_ > least) return false;
+            const double distance = glm::dot(d, d) - (made_.weights.empty() ? 0.0 : made_.weights[s]);
+            if (s != except && (distance < least || (distance == least && s < best))) {
+                least = distance;
+                best = s;
+            }
+            return true;
+        };
+        for (auto k = after; k < std::ssize(order_) && visit(order_[static_cast<size_t>(k)]); ++k) {
+        }
+        for (auto k = after; k > 0 && visit(order_[static_cast<size_t>(k - 1)]); --k) {
+        }
+        return best;
+    }
+
+  private:
+    const PatternSites& made_;
+    int axis_ = 0;
+    double max_weight_ = 0.0;
+    std::vector<uint32_t> order_;
+};
+
+// Replaces each site by a group of `cells` sites in its cell: drawn from the whole box, so that they fill the cell, and
+// the missing ones, where the cell is small, from a ball about the site.
+PatternSites divide(const PatternSites& made, const Box& box, uint32_t cells, Random& random) {
+    if (made.sites.size() < 2) {
+        PatternSites one = made;
+        one.weights.clear();
+        return one;
+    }
+    const CellSearch search(made);
+    const auto count = static_cast<uint32_t>(made.sites.size());
+    std::vector<uint32_t> missing(count, cells);
+    PatternSites divided;
+    const auto add = [&](const glm::dvec3& p, uint32_t s) {
+        divided.sites.push_back(p);
+        divided.groups.push_back(made.groups.empty() ? s : made.groups[s]);
+        --missing[s];
+    };
+    for (uint64_t k = 0; k < uint64_t{4} * cells * count; ++k) {
+        const glm::dvec3 p = random.uniform_in(box);
+        if (const uint32_t s = search.at(p); missing[s] > 0) add(p, s);
+    }
+    for (uint32_t s = 0; s < count; ++s) {
+        const double radius = 0.5 * glm::distance(made.sites[s], made.sites[search.at(made.sites[s], s)]);
+        // Without weights the first draw in the ball lies in the cell; a cell beside a heavy one may be away from its
+        // site, or empty.
+        for (uint32_t tries = 0; missing[s] > 0 && tries < max_ball_draws * cells; ++tries) {
+            const glm::dvec3 d = random.uniform_in({glm::dvec3(-1.0), glm::dvec3(1.0)}), p = made.sites[s] + radius * d;
+            if (glm::dot(d, d) <= 1.0 && search.at(p) == s) add(p, s);
+        }
+    }
+    return divided;
 }
 
 // The frame of the pattern's axis, with the extents of the mesh's box in it.
@@ -124,6 +209,8 @@ class Maker {
         }
         if (pattern_.grading > 0.0 && pattern_.kind != PatternKind::bricks) grade();
         if (pattern_.inside) leave_out_outside();
+        if (pattern_.cells_per_piece > 1 && !result_.sites.empty())
+            return divide(result_, box_, pattern_.cells_per_piece, random_);
         return std::move(result_);
     }
 
@@ -378,6 +465,9 @@ Result<PatternSites> make_sites(const Pattern& pattern, const TriangleMesh& mesh
                        "larger: the solid holds more than a million pieces of that size");
         count = std::max(1u, static_cast<uint32_t>(wanted));
     }
+    if (uint64_t{count} * pattern.cells_per_piece > max_sites)
+        return bad("cells_per_piece", std::to_string(pattern.cells_per_piece),
+                   "smaller: " + std::to_string(count) + " pieces would have more than a million cells");
     PatternSites sites = Maker(pattern, mesh, count).run();
     if (sites.sites.empty())
         return Error{Status::invalid_setting, "none of the pattern's sites lies inside the solid; give more, or leave "

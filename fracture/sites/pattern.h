@@ -53,6 +53,9 @@ struct Pattern {
     std::vector<glm::dvec3> line{{0.0, 0.5, 0.5}, {1.0, 0.5, 0.5}};
     // Spread of the cell sizes, by random weights: 0 for cells of similar size, to 1; not for bricks.
     double grading = 0.0;
+    // Cells that make up each piece, from 1 to 1,000: pieces have many facets and are not convex, at about 16 like crushed
+    // stone. The pieces of a kind keep their places; `count` times this may be a million at most.
+    uint32_t cells_per_piece = 1;
     // Keeps only sites inside the solid: random kinds draw others instead, regular kinds drop theirs.
     bool inside = false;
 };
@@ -63,7 +66,7 @@ struct PatternSites {
     std::vector<double> weights;  // for Settings::weights: one weight per site, or empty
 };
 
-// Makes the sites of the pattern for a mesh, at most a million. Errors: invalid_setting, with the field, its value and
+// Makes the sites of the pattern for a mesh, at most a million. With several cells a piece there are no weights. Errors: invalid_setting, with the field, its value and
 // its range, or because no site lies inside the solid; empty_mesh.
 [[nodiscard]] Result<PatternSites> make_sites(const Pattern& pattern, const TriangleMesh& mesh);
 

@@ -73,6 +73,47 @@ TEST_CASE("pattern: grading spreads the sizes of pieces") {
     CHECK(spread(1.0) > 1.3 * even);
 }
 
+TEST_CASE("pattern: several cells a piece divide the pieces of every kind into facets, in their places") {
+    const TriangleMesh mesh = wall();
+    for (const PatternKind kind : all_kinds) {
+        for (const double grading : {0.0, 0.5}) {
+            CAPTURE(int(kind));
+            CAPTURE(grading);
+            const Pattern plain{.kind = kind, .count = 24, .grading = grading};
+            Pattern faceted = plain;
+            faceted.cells_per_piece = 16;
+            const PatternSites whole = make(plain, mesh), cells = make(faceted, mesh);
+            // Cells beside a heavy one may be small or empty.
+            CHECK(cells.sites.size() <= 16 * whole.sites.size());
+            if (whole.weights.empty()) CHECK(cells.sites.size() == 16 * whole.sites.size());
+            REQUIRE(cells.groups.size() == cells.sites.size());
+            CHECK(cells.weights.empty());
+            // A cell lies in the piece of its group: no other site of the plain pattern is nearer, by power.
+            const auto power = [&](const glm::dvec3& p, size_t s) {
+                const glm::dvec3 d = p - whole.sites[s];
+                return glm::dot(d, d) - (whole.weights.empty() ? 0.0 : whole.weights[s]);
+            };
+            for (size_t c = 0; c < cells.sites.size(); ++c) {
+                double own = std::numeric_limits<double>::infinity(), others = own;
+                for (size_t s = 0; s < whole.sites.size(); ++s) {
+                    const uint32_t group = whole.groups.empty() ? static_cast<uint32_t>(s) : whole.groups[s];
+                    double& least = group == cells.groups[c] ? own : others;
+                    least = std::min(least, power(cells.sites[c], s));
+                }
+                CHECK(own <= others);
+            }
+            const Fragments pieces = break_by(faceted, mesh);
+            CHECK(pieces.pieces.size() >= whole.sites.size() / 4);
+            uint64_t facets = 0;
+            for (const Piece& piece : pieces.pieces) facets += piece.triangles.size() - piece.exterior_triangles;
+            CHECK(facets > 40 * pieces.pieces.size()); // the cells of a random diagram have about 15 facets
+        }
+    }
+    Pattern one{.count = 1};
+    one.cells_per_piece = 16;
+    CHECK(make(one, mesh).sites.size() == 1);
+}
+
 TEST_CASE("pattern: thin parts of a solid have more sites per volume") {
     // A cube and a separate plate with a tenth of its height.
     TriangleMesh mesh = cube(1.0);
@@ -246,6 +287,9 @@ TEST_CASE("pattern: an invalid setting is refused with the name of its field") {
     refused({.axis = {0.0, 0.0, 0.0}}, "axis");
     refused({.spread = 0.0}, "spread");
     refused({.slenderness = 0.5}, "slenderness");
+    refused({.cells_per_piece = 0}, "cells_per_piece");
+    refused({.cells_per_piece = 1001}, "cells_per_piece");
+    refused({.count = 10'001, .cells_per_piece = 100}, "cells_per_piece");
     refused({.kind = PatternKind::curve, .line = {{0.0, 0.0, 0.0}}}, "line");
     CHECK(make_sites({}, {}).error().status == Status::empty_mesh);
 }

@@ -62,6 +62,7 @@ FractureOptions everything() {
                        .slenderness = 3.5,
                        .line = {{0.0, 0.0, 0.0}, {1.0, 0.3, 1.0 / 3.0}, {1.0, 1.0, 1.0}},
                        .grading = 0.75,
+                       .cells_per_piece = 16,
                        .inside = true};
     options.world = {.engine = physics::EngineKind::bullet,
                      .bonded = true,

@@ -111,6 +111,13 @@ void add_pattern_options(CLI::App& command, FractureOptions& options) {
         .add_option("--grading", pattern.grading,
                     "Spread of the sizes of pieces: from 0 (nearly equal) to 1 (from crumbs to lumps)")
         ->check(number_from(0.0, 1.0));
+    command
+        .add_option(
+            "--cells-per-piece", pattern.cells_per_piece,
+            "Cells that make up each piece: 1 gives convex pieces, about 16 pieces of many facets, as of crushed "
+            "stone")
+        ->check(number_from(1, 1000))
+        ->capture_default_str();
     auto* inside =
         command.add_flag("--inside", pattern.inside,
                          "Place sites inside the solid only, so that each site makes a piece: the default of "

@@ -49,6 +49,7 @@ Json pattern_json(const Pattern& pattern, const Pattern& plain) {
         for (const glm::dvec3& p : pattern.line) json["line"].push_back(vector_json(p));
     }
     if (pattern.grading != plain.grading) json["grading"] = pattern.grading;
+    if (pattern.cells_per_piece != plain.cells_per_piece) json["cells_per_piece"] = pattern.cells_per_piece;
     if (pattern.inside) json["inside"] = true;
     return json;
 }
@@ -269,6 +270,7 @@ void read_pattern(JsonReader& reader, FractureOptions& options) {
     reader.number("spread", pattern.spread, 1e-9, 100.0);
     reader.number("slenderness", pattern.slenderness, 1.0, 1e4);
     reader.number("grading", pattern.grading, 0.0, 1.0);
+    reader.whole("cells_per_piece", pattern.cells_per_piece, 1, 1000);
     reader.flag("inside", pattern.inside);
     if (const Json* line = reader.find("line")) {
         if (!line->is_array() || line->size() < 2) reader.fail("line", "two points or more [[x, y, z], ...]", *line);

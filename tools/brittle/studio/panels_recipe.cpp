@@ -1,6 +1,7 @@
 // The panels of the left column: object, pattern and material.
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <string>
@@ -194,6 +195,12 @@ void Panels::pattern_panel(const PanelState& state) {
     if (pattern.kind != PatternKind::bricks)
         changed |= named_slider("Grading", "Spread of sizes: 0 gives similar pieces, 1 pieces from small to large",
                                 pattern.grading, 0.0, 1.0, "%.2f");
+    double cells = pattern.cells_per_piece;
+    if (named_slider("Cells a piece", "1 gives convex pieces, about 16 pieces of many facets, as of crushed stone",
+                     cells, 1.0, 32.0, "%.0f")) {
+        pattern.cells_per_piece = static_cast<uint32_t>(std::lround(cells));
+        changed = true;
+    }
     control("Inside only", "Only sites inside the solid, so that each makes a piece");
     changed |= ImGui::Checkbox("##Inside only", &pattern.inside);
     if (!changed) return;
