@@ -82,6 +82,7 @@ void SurfaceRefiner::divide(const Part& whole, uint32_t source, Surface& out) {
     while (!parts_.empty()) {
         const Part part = parts_.back();
         parts_.pop_back();
+        candidates_.resize(part.candidates_end); // the parts that remain are older, with candidates before these
         const Triangle& t = part.corners;
         std::array<uint32_t, 3> halves{no_index, no_index, no_index}; // of the edges xy, yz, zx
         if (part.candidates_end - part.candidates_begin > 1)

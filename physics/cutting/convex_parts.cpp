@@ -128,7 +128,7 @@ std::vector<glm::dvec3> hull_candidates(std::span<const glm::dvec3> points) {
 std::vector<BodyPart> convex_parts(std::span<const glm::dvec3> positions, std::span<const Triangle> triangles,
                                    double volume, const glm::dvec3& origin, const ConvexPartSettings& settings) {
     std::vector<Part> parts;
-    parts.push_back(part_of(positions, volume, settings.hull));
+    parts.push_back(part_of(settings.points.empty() ? positions : settings.points, volume, settings.hull));
     fracture::Workspace workspace;
     Fragments scratch;
     while (parts.size() < settings.max_parts) {

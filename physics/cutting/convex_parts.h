@@ -30,6 +30,8 @@ struct ConvexPartSettings {
     double max_empty = 0.2;    // accepted empty share of a hull's volume
     double min_excess = 0.003; // accepted empty volume of a hull, as a share of the solid's volume
     uint32_t max_parts = 24;   // at least 1
+    // The points that the hull of the whole solid holds; empty: all vertices. The caller keeps them.
+    std::span<const glm::dvec3> points{};
     HullSettings hull{};
 };
 

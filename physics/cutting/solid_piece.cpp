@@ -14,6 +14,7 @@
 #include "fracture/base/threads.h"
 #include "fracture/fracture.h"
 #include "fracture/pieces/merge.h"
+#include "fracture/rough/rough.h"
 
 namespace brittle::physics {
 
@@ -32,6 +33,9 @@ constexpr uint32_t max_parts_of_cell = 4;
 
 // See Roughness::max_triangles.
 constexpr uint64_t max_rough_triangles = 100'000;
+
+// The least typical distance of the sites of a rough cut, in units of the minimum size of a piece.
+constexpr double min_rough_pieces = 3.0;
 
 double cube(double x) {
     return x * x * x;
@@ -92,6 +96,25 @@ SolidPiece mesh_of(const SolidPiece& from, const Fragments& fragments, const Pie
     return solid;
 }
 
+// The points of a piece on its outside and where its cuts meet. Those inside a rough cut do not count for the hull, which
+// is cut along the mean plane of the cut.
+std::vector<glm::dvec3> outline_of(const Fragments& cells, const Piece& piece) {
+    constexpr uint32_t none = 0xffffffffu, several = 0xfffffffeu;
+    std::vector<uint32_t> cut(piece.vertices.size(), none);
+    for (uint32_t k = 0; k < piece.triangles.size(); ++k) {
+        const uint32_t t = piece.triangles.begin + k;
+        const uint32_t source = k < piece.exterior_triangles ? several : cells.triangle_source[t];
+        for (int c = 0; c < 3; ++c) {
+            uint32_t& at = cut[cells.triangles[t][c]];
+            at = at == none || at == source ? source : several;
+        }
+    }
+    std::vector<glm::dvec3> outline;
+    for (uint32_t v = 0; v < cut.size(); ++v)
+        if (cut[v] == several) outline.push_back(cells.positions[piece.vertices.begin + v]);
+    return outline;
+}
+
 std::vector<std::vector<BodyPart>> parts_of_cells(const Fragments& cells, const ConvexPartSettings& settings) {
     ConvexPartSettings few = settings;
     few.max_parts = std::min(settings.max_parts, max_parts_of_cell);
@@ -99,6 +122,9 @@ std::vector<std::vector<BodyPart>> parts_of_cells(const Fragments& cells, const 
     std::vector<std::vector<BodyPart>> parts;
     for (const Piece& piece : cells.pieces) {
         few.hull.planes = planes[parts.size()];
+        std::vector<glm::dvec3> outline;
+        if (cells.rough_triangles > 0) outline = outline_of(cells, piece);
+        few.points = outline;
         parts.push_back(convex_parts(cells.positions_of(piece), cells.triangles_of(piece), piece.mass.volume,
                                      piece.mass.centre_of_mass, few));
     }
@@ -149,10 +175,13 @@ Result<SolidPtr> make_solid(const fracture::TriangleMesh& mesh, const SolidSetti
 
 namespace {
 
-// A blow must not wait for its cuts.
-fracture::Roughness roughness_of_blow(const SolidSettings& settings) {
+// A blow must not wait for its cuts, and no one sees the bumps of crumbs: those are cut flat.
+fracture::Roughness roughness_of_blow(const SolidPiece& solid, std::span<const glm::dvec3> sites,
+                                      const SolidSettings& settings) {
     fracture::Roughness rough = settings.rough;
     rough.max_triangles = std::min<uint64_t>(rough.max_triangles, max_rough_triangles);
+    if (!rough.is_flat() && fracture::rough::typical_distance(solid.mesh, sites) < min_rough_pieces * settings.min_size)
+        rough.amount = 0.0;
     return rough;
 }
 
@@ -249,7 +278,7 @@ Result<std::vector<SolidPtr>> break_solid(const SolidPiece& solid, std::span<con
     Result<Fragments> cut = fracture::fracture(solid.mesh, sites,
                                                {.threads = settings.threads,
                                                 .merged_later = {groups.begin(), groups.end()},
-                                                .rough = roughness_of_blow(settings),
+                                                .rough = roughness_of_blow(solid, sites, settings),
                                                 .cancelled = cancelled});
     if (!cut) return cut.error();
     const std::vector<uint32_t> goes_to = fracture::choose_mergers(*cut, {groups, cube(settings.min_size), {}});
@@ -262,7 +291,7 @@ Result<std::vector<SolidPtr>> break_apart(const SolidPiece& solid, std::span<con
     Result<Fragments> cut = fracture::fracture(solid.mesh, solid.blocks->sites,
                                                {.threads = settings.threads,
                                                 .merged_later = islands_of_cells(*solid.blocks, islands),
-                                                .rough = roughness_of_blow(settings),
+                                                .rough = roughness_of_blow(solid, solid.blocks->sites, settings),
                                                 .cancelled = cancelled});
     if (!cut) return cut.error();
     const std::vector<uint32_t> goes_to =

@@ -39,7 +39,8 @@ struct SolidSettings {
     ConvexPartSettings parts{};
     HeldBlockSettings blocks{}; // of anchored, breakable solids
     // Of the cuts of blows and loads. A blow has a seed of its own. With a wavelength of 0 the bumps are as large as the
-    // pieces of each blow. Splinters turn the grain along the longest axis of the solid that is hit.
+    // pieces of each blow. Splinters turn the grain along the longest axis of the solid that is hit. Where the sites of
+    // a blow are closer than three times min_size, its cuts are flat.
     fracture::Roughness rough{};
     uint32_t threads = 1; // of one cut; the jobs of a Destruction use one each
 };

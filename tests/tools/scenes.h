@@ -29,13 +29,13 @@ namespace scene {
 // Sorted by the names of their files. test_scenes.cpp reports missing ones.
 using All = std::tuple<
     struct arch_loses_a_column, struct brick_wall_rammed, struct bunny_dropped, struct card_house_shot_by_a_marble,
-    struct dominoes_fall, struct door_is_pushed_open, struct drawbridge_loses_its_chain,
+    struct crushed_stone_falls, struct dominoes_fall, struct door_is_pushed_open, struct drawbridge_loses_its_chain,
     struct figure_03_voronoi_diagram, struct figure_04_bunny_with_three_sites, struct figure_09_clip_step_0,
     struct figure_09_clip_step_1, struct figure_09_clip_step_2, struct figure_09_clip_step_3, struct figure_10_hulls,
     struct figure_11_icosphere_falls_apart, struct figure_12_legs_below_the_knees, struct glass_pane_shot_by_a_ball,
     struct hanging_lamp_is_shot, struct heap_of_20000, struct pane_hangs_by_its_corners, struct pyramid_of_1275,
-    struct stack_of_50, struct statue_broken_three_levels_deep, struct stone_arch_falls, struct stone_arch_stands,
-    struct tower_collapses, struct wrecking_ball_hits_a_wall>;
+    struct rough_wall_is_shot, struct stack_of_50, struct statue_broken_three_levels_deep, struct stone_arch_falls,
+    struct stone_arch_stands, struct tower_collapses, struct wrecking_ball_hits_a_wall>;
 
 } // namespace scene
 

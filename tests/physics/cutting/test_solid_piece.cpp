@@ -132,6 +132,32 @@ TEST_CASE("solid piece: rough pieces of rough pieces are closed, and volumes and
     }
 }
 
+TEST_CASE("solid piece: where the pieces of a blow are hardly larger than the minimum size, its cuts are flat") {
+    const SolidPtr whole = must_make(fracture::cube(1.0));
+    const auto triangles = [&](double min_size, double amount) {
+        size_t sum = 0;
+        for (const SolidPtr& piece : must_break(*whole, 20, 1, {.min_size = min_size, .rough = {.amount = amount}}))
+            sum += piece->mesh.triangles.size();
+        return sum;
+    };
+    CHECK(triangles(0.02, 1.0) > 4 * triangles(0.02, 0.0));
+    CHECK(triangles(0.2, 1.0) == triangles(0.2, 0.0));
+}
+
+TEST_CASE("solid piece: the hull of a rough piece has the size of the piece") {
+    const SolidPtr whole = must_make(fracture::cube(1.0));
+    for (const SolidPtr& piece : must_break(*whole, 12, 3, {.min_size = 0.01, .rough = {.amount = 1.0}})) {
+        double volume = 0.0;
+        for (const BodyPart& part : piece->parts) {
+            const fracture::TriangleMesh hull = hull_mesh(part.hull->points);
+            volume += fracture::signed_volume(hull.positions, hull.triangles);
+        }
+        // The margin takes a little off, and the planes of the contacts what bumps there are.
+        CHECK(volume > 0.6 * piece->mass.volume);
+        CHECK(volume < 1.2 * piece->mass.volume);
+    }
+}
+
 TEST_CASE("solid piece: islands of held blocks break apart along flat and rough cuts, whatever pieces these yield") {
     // Disks on a shaft: one cell of the blocks holds several pieces.
     const fracture::TriangleMesh comb = test::lathe({{0.1, 0.0},

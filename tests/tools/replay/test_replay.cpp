@@ -349,14 +349,13 @@ TEST_CASE("replay: logs with random bytes, or truncated anywhere, are read or re
 
 namespace {
 
-using Moves =
-    std::tuple<scene::arch_loses_a_column, scene::brick_wall_rammed, scene::bunny_dropped,
-               scene::card_house_shot_by_a_marble, scene::dominoes_fall, scene::door_is_pushed_open,
-               scene::drawbridge_loses_its_chain, scene::figure_10_hulls, scene::figure_11_icosphere_falls_apart,
-               scene::glass_pane_shot_by_a_ball, scene::hanging_lamp_is_shot, scene::heap_of_20000,
-               scene::pane_hangs_by_its_corners, scene::pyramid_of_1275, scene::stack_of_50,
-               scene::statue_broken_three_levels_deep, scene::stone_arch_falls, scene::stone_arch_stands,
-               scene::tower_collapses, scene::wrecking_ball_hits_a_wall>;
+using Moves = std::tuple<
+    scene::arch_loses_a_column, scene::brick_wall_rammed, scene::bunny_dropped, scene::card_house_shot_by_a_marble,
+    scene::crushed_stone_falls, scene::dominoes_fall, scene::door_is_pushed_open, scene::drawbridge_loses_its_chain,
+    scene::figure_10_hulls, scene::figure_11_icosphere_falls_apart, scene::glass_pane_shot_by_a_ball,
+    scene::hanging_lamp_is_shot, scene::heap_of_20000, scene::pane_hangs_by_its_corners, scene::pyramid_of_1275,
+    scene::rough_wall_is_shot, scene::stack_of_50, scene::statue_broken_three_levels_deep, scene::stone_arch_falls,
+    scene::stone_arch_stands, scene::tower_collapses, scene::wrecking_ball_hits_a_wall>;
 
 } // namespace
 

@@ -202,15 +202,17 @@ namespace {
 
 using CutAnew =
     std::tuple<scene::door_is_pushed_open, scene::drawbridge_loses_its_chain, scene::glass_pane_shot_by_a_ball,
-               scene::hanging_lamp_is_shot, scene::pane_hangs_by_its_corners, scene::statue_broken_three_levels_deep>;
+               scene::hanging_lamp_is_shot, scene::pane_hangs_by_its_corners, scene::rough_wall_is_shot,
+               scene::statue_broken_three_levels_deep>;
 using CutAnewHeld = std::tuple<scene::glass_pane_shot_by_a_ball, scene::pane_hangs_by_its_corners,
-                               scene::statue_broken_three_levels_deep>;
+                               scene::rough_wall_is_shot, scene::statue_broken_three_levels_deep>;
 
 } // namespace
 
 TEST_CASE_TEMPLATE_DEFINE("breakable: momentum and angular momentum are kept across every cut, to 1e-4", Scene,
                           momentum_of_cuts) {
     FractureOptions options = recipe_of<Scene>();
+    options.world.rough = world_of(options).rough;
     options.world.anchored = false; // fixed parts would pass momentum to the ground
     options.world.anchors.clear();
     if (options.world.joints.empty()) options.world.height = 0.0;
@@ -239,7 +241,8 @@ TEST_CASE("breakable: every breakable scene has a momentum test") {
 
 TEST_CASE_TEMPLATE_DEFINE("breakable: with fixed parts, cuts return at most the impulses of their blows, to 1e-4",
                           Scene, momentum_of_held) {
-    const FractureOptions options = recipe_of<Scene>();
+    FractureOptions options = recipe_of<Scene>();
+    options.world.rough = world_of(options).rough;
     Simulation simulation(options.material);
     HeldBooks books;
     simulation.observe(&books);
