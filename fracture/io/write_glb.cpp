@@ -129,7 +129,7 @@ class JsonList {
 
 class GlbWriter {
   public:
-    explicit GlbWriter(const ExportJob& job) : job_(job), options_(job.options), source_(job.options.source) {}
+    explicit GlbWriter(const ExportJob& job) : job_(job), options_(job.options) {}
 
     Result<Buffer> write(const Json& recipe) {
         find_bonds();
@@ -411,7 +411,6 @@ class GlbWriter {
 
     const ExportJob& job_;
     const ExportOptions& options_;
-    const Model* source_;
     GlbMaterials materials_{options_};
     std::map<uint32_t, std::vector<const Bond*>> bonds_; // of each piece to those with a higher number, in any file
     JsonList nodes_, meshes_, accessors_;
