@@ -261,9 +261,12 @@ Result<void> run_rough(const TriangleMesh& mesh, std::span<const glm::dvec3> sit
         const std::vector<uint8_t> flakes = state.rough.place(sites.size(), out);
         const auto start = std::chrono::steady_clock::now();
         const std::vector<uint32_t> representative = choose_mergers(settings, bounds(mesh), flakes, out);
-        state.rough.warp(out);
-        merge(representative, start, settings, out);
-        state.rough.restore(mesh, sites.size(), out);
+        if (!representative.empty()) {
+            state.rough.warp(out);
+            merge(representative, start, settings, out);
+            (void)state.rough.place(sites.size(), out);
+        }
+        state.rough.join(mesh, out);
     } while (state.rough.calm(settings, out));
     return {};
 }

@@ -214,7 +214,7 @@ Result<void> RoughCut::cut(const TriangleMesh& mesh, std::span<const glm::dvec3>
     out.timings.insert(out.timings.begin(), timings.begin(), timings.end());
     watch = {};
     restorer_.start(surface_, exact::cut(scratch), exact::scene(scratch), warp_, spacing_, out, threads_);
-    watch.lap("place", out);
+    watch.lap("find places", out);
     return {};
 }
 
@@ -240,7 +240,7 @@ std::vector<uint8_t> RoughCut::place(size_t site_count, Fragments& pieces) {
         flakes.resize(pieces.pieces.size(), 0);
         flakes[p] = 1;
     }
-    watch.lap("weigh", pieces);
+    watch.lap("place", pieces);
     return flakes;
 }
 
@@ -248,13 +248,10 @@ void RoughCut::warp(Fragments& pieces) {
     std::swap(cut_positions_, pieces.positions);
 }
 
-void RoughCut::restore(const TriangleMesh& mesh, size_t site_count, Fragments& pieces) {
+void RoughCut::join(const TriangleMesh& mesh, Fragments& pieces) {
     Stopwatch watch;
-    pieces.positions = restorer_.places(pieces, threads_);
     restorer_.join_triangles(mesh, threads_, pieces);
-    weigh(pieces);
-    bonds_.run_bent(site_count, pieces);
-    watch.lap("restore", pieces);
+    watch.lap("join", pieces);
 }
 
 bool RoughCut::calm(const Settings& settings, Fragments& pieces) {

@@ -47,16 +47,15 @@ class RoughCut {
     [[nodiscard]] Result<void> cut(const TriangleMesh& mesh, std::span<const glm::dvec3> sites,
                                    const Settings& settings, exact::Scratch& scratch, Fragments& out);
 
-    // Moves the points of the last cut() to their places, and computes masses and bonds there: what decides which pieces
-    // to merge. Returns, per piece, 1 for a flake, which a cut that grazes the surface leaves: its volume is nearly zero
-    // or negative. A neighbour must absorb it. Empty where there is none.
+    // Moves the points of the pieces, merged or not, to their places, and computes masses and bonds there: what decides
+    // which pieces to merge. Returns, per piece, 1 for a flake, which a cut that grazes the surface leaves: its volume is
+    // nearly zero or negative. A neighbour must absorb it. Empty where there is none.
     [[nodiscard]] std::vector<uint8_t> place(size_t site_count, Fragments& pieces);
     // Moves the points back to where they were cut, for merging: only there do pieces meet as the cut decided.
     void warp(Fragments& pieces);
 
-    // Moves the pieces of the last cut(), merged or not, to their places, with the outside's triangles joined. Computes
-    // masses and bonds anew.
-    void restore(const TriangleMesh& mesh, size_t site_count, Fragments& pieces);
+    // Joins the parts of the outside's triangles, in pieces that are in their places.
+    void join(const TriangleMesh& mesh, Fragments& pieces);
 
     // Looks for cuts that cross their piece. Returns true where the warp has been calmed around them and the solid must
     // be cut again; sets pieces.crossings otherwise.
