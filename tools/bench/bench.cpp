@@ -166,6 +166,35 @@ void run_fracture(benchmark::State& state, const Case& c, bool first_time) {
     state.counters["allocs"] = static_cast<double>(allocations);
 }
 
+// Rough cuts in turn with flat ones; `detail` as in Roughness.
+void run_rough(benchmark::State& state, const Case& c, uint32_t detail) {
+    const TriangleMesh& mesh = mesh_of(c.mesh);
+    const std::vector<glm::dvec3> sites = make_sites(mesh, c.sites, c.pattern);
+    Settings flat{.threads = c.threads}, rough = flat;
+    rough.rough = {.amount = 0.5, .detail = detail};
+    Workspace workspace;
+    Fragments out;
+    const auto cut = [&](const Settings& settings) {
+        return milliseconds_of([&] {
+            if (const auto done = fracture::fracture(mesh, sites, settings, workspace, out); !done)
+                state.SkipWithError(done.error().message.c_str());
+        });
+    };
+    for (const Settings& settings : {flat, rough, flat, rough}) (void)cut(settings);
+    std::vector<double> of_flat, of_rough;
+    for (auto _ : state) {
+        of_flat.push_back(cut(flat));
+        of_rough.push_back(cut(rough));
+        state.SetIterationTime(of_rough.back() * 1e-3);
+    }
+    if (of_rough.empty()) return;
+    state.counters["median"] = median(of_rough);
+    state.counters["flat"] = median(of_flat);
+    state.counters["times_flat"] = median(of_rough) / median(of_flat);
+    state.counters["added"] = static_cast<double>(out.rough_triangles);
+    state.counters["triangles"] = static_cast<double>(out.triangles.size());
+}
+
 void run_certify(benchmark::State& state, const Case& c) {
     const TriangleMesh& mesh = mesh_of(c.mesh);
     const auto fragments = fracture::fracture(mesh, make_sites(mesh, c.sites, c.pattern));
@@ -200,6 +229,17 @@ void add_fracture(const Case& c) {
     }
 }
 
+void add_rough(const Case& c) {
+    for (const uint32_t detail : {1u, 2u, 3u}) {
+        benchmark::RegisterBenchmark(("rough/" + c.mesh + '/' + std::to_string(c.sites)
+                                      + "/threads:" + std::to_string(c.threads) + "/detail:" + std::to_string(detail))
+                                         .c_str(),
+                                     [=](benchmark::State& state) { run_rough(state, c, detail); })
+            ->Unit(benchmark::kMillisecond)
+            ->UseManualTime();
+    }
+}
+
 void add_all() {
     const bool has_bunny = std::ifstream(bunny_file).good();
     const std::vector<std::string> meshes{has_bunny ? "bunny" : "ball_82k", "ball_20k", "ball_328k", "knot_1311k"};
@@ -210,6 +250,7 @@ void add_all() {
     }
     for (const uint32_t sites : {1000u, 10000u})
         for (const uint32_t threads : thread_counts) add_fracture({meshes[0], sites, Pattern::clustered, threads});
+    for (const std::string& mesh : {meshes[0], std::string("ball_20k")}) add_rough({mesh, 100, Pattern::uniform, 2});
     for (const std::string& mesh : meshes) {
         benchmark::RegisterBenchmark(("check/full/" + mesh).c_str(), [=](benchmark::State& state) {
             run_full_check(state, mesh);
