@@ -291,8 +291,6 @@ Result<void> run_rough(const TriangleMesh& mesh, const Box& box, std::span<const
 Result<void> run_exact(const TriangleMesh& mesh, const Box& box, std::span<const glm::dvec3> sites,
                        const Settings& settings, Workspace::State& state, Fragments& out) {
     if (!settings.rough.is_flat()) return run_rough(mesh, box, sites, settings, state, out);
-    out.crossings = 0;
-    out.rough_triangles = 0;
     Result<void> done = exact::fracture_exact(mesh, sites, settings, state.exact, out);
     if (!done && only_touches(mesh, done.error())) {
         const TriangleMesh split = split_fans(mesh);
@@ -348,6 +346,8 @@ Result<void> fracture(const TriangleMesh& mesh, std::span<const glm::dvec3> site
                       Workspace& workspace, Fragments& out) {
     const Box box = bounds(mesh);
     if (Result<void> checked = check_values(mesh, box, sites, settings); !checked) return checked;
+    out.crossings = 0;
+    out.rough_triangles = 0;
     const auto run = settings.algorithm == Algorithm::exact ? run_exact : run_sequential;
     return run(mesh, box, sites, settings, workspace.state(), out);
 }

@@ -18,7 +18,7 @@ constexpr double same_plane = 0.99999;
 
 // The least cosine of the angle between normals that are smoothed, and between a triangle of a cut and the plane of its
 // texture coordinates.
-constexpr double max_crease = 0.5;
+constexpr double min_smooth = 0.5;
 
 // Triangles with a height below this share of their longest side have no reliable plane.
 constexpr double min_height = 1e-6;
@@ -93,7 +93,7 @@ class RoughSurface {
         for (auto at = std::lower_bound(around_.begin(), around_.end(), std::array<uint32_t, 2>{vertex, 0});
              at != around_.end() && (*at)[0] == vertex; ++at) {
             const glm::dvec3& area = areas_[(*at)[1]];
-            if (glm::dot(own, area) > max_crease * glm::length(area)) sum += area;
+            if (glm::dot(own, area) > min_smooth * glm::length(area)) sum += area;
         }
         return glm::vec3(unit_or_zero(sum));
     }
@@ -102,7 +102,7 @@ class RoughSurface {
     // the cut is bent away from it.
     [[nodiscard]] glm::dvec3 plane(uint32_t triangle) const {
         const glm::dvec3 own = unit_or_zero(areas_[triangle]);
-        return glm::dot(own, mean_) > max_crease || own == glm::dvec3(0.0) ? mean_ : own;
+        return glm::dot(own, mean_) > min_smooth || own == glm::dvec3(0.0) ? mean_ : own;
     }
 
   private:

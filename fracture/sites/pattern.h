@@ -66,8 +66,9 @@ struct PatternSites {
     std::vector<double> weights;  // for Settings::weights: one weight per site, or empty
 };
 
-// Makes the sites of the pattern for a mesh, at most a million. With several cells a piece there are no weights. Errors: invalid_setting, with the field, its value and
-// its range, or because no site lies inside the solid; empty_mesh.
+// Makes the sites of the pattern for a mesh, at most a million. With several cells a piece there are no weights.
+// Errors: invalid_setting, with the field, its value and its range, or because no site lies inside the solid;
+// empty_mesh.
 [[nodiscard]] Result<PatternSites> make_sites(const Pattern& pattern, const TriangleMesh& mesh);
 
 // Maps sites from one box onto another, for diagrams that are stored in a file and reused on any mesh or piece. The

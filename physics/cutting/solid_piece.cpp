@@ -84,13 +84,19 @@ SolidPiece mesh_of(const SolidPiece& from, const Fragments& fragments, const Pie
     solid.mesh.positions.assign(positions.begin(), positions.end());
     solid.mass = piece.mass;
     solid.mesh.triangles.reserve(piece.triangles.size());
+    const uint32_t first_new = from.cut.empty() ? 0 : 1 + *std::ranges::max_element(from.cut);
     for (const bool exterior : {true, false})
         for (uint32_t k = 0; k < piece.triangles.size(); ++k) {
             const uint32_t t = piece.triangles.begin + k;
             const bool outside = k < piece.exterior_triangles && fragments.triangle_source[t] < from.exterior_triangles;
             if (outside != exterior) continue;
             solid.mesh.triangles.push_back(fragments.triangles[t]);
-            if (exterior) solid.source.push_back(from.source[fragments.triangle_source[t]]);
+            const uint32_t source = fragments.triangle_source[t];
+            if (exterior)
+                solid.source.push_back(from.source[source]);
+            else
+                solid.cut.push_back(k < piece.exterior_triangles ? from.cut[source - from.exterior_triangles]
+                                                                 : first_new + source);
         }
     solid.exterior_triangles = static_cast<uint32_t>(solid.source.size());
     return solid;
@@ -310,6 +316,7 @@ SolidPiece copy_of(const Fragments& fragments, const Piece& piece, const SolidSe
     solid.exterior_triangles = piece.exterior_triangles;
     const auto source = fragments.triangle_source.begin() + piece.triangles.begin;
     solid.source.assign(source, source + piece.exterior_triangles);
+    solid.cut.assign(source + piece.exterior_triangles, source + piece.triangles.size());
     solid.mass = piece.mass;
     finish(solid, settings);
     return solid;

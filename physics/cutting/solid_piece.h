@@ -49,6 +49,7 @@ struct SolidPiece {
     fracture::TriangleMesh mesh{};      // closed; an unbreakable piece keeps its triangles and drops its positions
     uint32_t exterior_triangles = 0;    // the leading triangles, which lie on the surface of the unbroken object
     std::vector<uint32_t> source{};     // by exterior triangle: the triangle of the unbroken object that holds it
+    std::vector<uint32_t> cut{};        // by interior triangle: a number that all triangles of one cut share
     std::vector<glm::vec3> positions{}; // of the vertices, relative to the centre of mass, for drawing
     fracture::MassProperties mass{};    // at density 1
     BodyMass body{};                    // kg

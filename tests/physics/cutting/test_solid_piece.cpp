@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <set>
 #include <span>
 
@@ -129,6 +130,38 @@ TEST_CASE("solid piece: rough pieces of rough pieces are closed, and volumes and
         CHECK(volume == doctest::Approx(whole->mass.volume).epsilon(1e-9));
         if (std::ranges::all_of(pieces, [](const SolidPtr& piece) { return piece->breakable; }))
             CHECK(exterior == doctest::Approx(whole->mass.area).epsilon(1e-9));
+    }
+}
+
+TEST_CASE("solid piece: cuts keep numbers of their own through later cuts") {
+    const SolidPtr whole = must_make(fracture::cube(1.0));
+    CHECK(whole->cut.empty());
+    const SolidSettings settings{.min_size = 0.01};
+    std::vector<SolidPtr> pieces{whole};
+    for (uint64_t level = 1; level <= 3; ++level) {
+        std::vector<SolidPtr> next;
+        for (const SolidPtr& piece : pieces)
+            for (const SolidPtr& part : must_break(*piece, 4, level, settings)) next.push_back(part);
+        pieces = std::move(next);
+        size_t most = 0;
+        for (const SolidPtr& piece : pieces) {
+            const fracture::TriangleMesh& mesh = piece->mesh;
+            REQUIRE(piece->cut.size() == mesh.triangles.size() - piece->exterior_triangles);
+            if (!piece->breakable) continue;        // without positions
+            std::map<uint32_t, glm::dvec3> normals; // every cell is convex, so each of its cuts has a direction
+            for (size_t k = 0; k < piece->cut.size(); ++k) {
+                const fracture::Triangle& t = mesh.triangles[piece->exterior_triangles + k];
+                const glm::dvec3 area =
+                    glm::cross(mesh.positions[t.y] - mesh.positions[t.x], mesh.positions[t.z] - mesh.positions[t.x]);
+                if (glm::length(area) < 1e-9) continue;
+                const auto [known, is_new] = normals.emplace(piece->cut[k], glm::normalize(area));
+                CHECK(glm::distance(known->second, glm::normalize(area)) < 1e-5);
+                for (const auto& [number, other] : normals)
+                    if (number != piece->cut[k]) CHECK(glm::distance(other, glm::normalize(area)) > 1e-5);
+            }
+            most = std::max(most, normals.size());
+        }
+        CHECK(most > level); // of old and new cuts
     }
 }
 

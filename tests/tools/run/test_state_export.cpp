@@ -203,6 +203,29 @@ TEST_CASE("state export: interiors, looks and hulls are written, with several hu
     REQUIRE(!back.uv[0].empty());
 }
 
+TEST_CASE("state export: hulls of rough pieces end where the pieces meet, whether bonds hold or not") {
+    const test::Folder folder;
+    FractureOptions options = test::wall_options();
+    options.pattern.kind = fracture::PatternKind::uniform;
+    options.rough = {.amount = 1.0, .detail = 2};
+    options.world.anchored = false;
+    Run run(options);
+    REQUIRE(run.state().bonds.empty());
+    double uncut = 0.0;
+    for (const fracture::Piece& piece : run.fragments->pieces) {
+        const fracture::TriangleMesh hull = collision_mesh(*run.fragments, piece, {});
+        uncut += fracture::signed_volume(hull.positions, hull.triangles);
+    }
+    double whole = 0.0;
+    for (const fracture::Piece& piece : run.fragments->pieces) whole += piece.mass.volume;
+    REQUIRE(uncut > 1.05 * whole);
+    const double input = input_volume(run);
+    const fs::path file = run.write(folder / "wall.glb", PiecesAs::made, {.hulls = "godot"}).front();
+    const double hulls = volume_of(file) - input; // the importer reads pieces and hulls
+    CHECK(hulls > 0.9 * input);
+    CHECK(hulls < 1.01 * input);
+}
+
 TEST_CASE("state export: unbroken bonds are written, and bonded pieces lie where their body moved them") {
     const test::Folder folder;
     for (const bool breakable : {false, true}) {

@@ -1,7 +1,10 @@
 #include "tools/brittle/run/state_export.h"
 
 #include <map>
+#include <span>
 #include <utility>
+
+#include <glm/geometric.hpp>
 
 #include "fracture/io/export.h"
 #include "fracture/pieces/certificate.h"
@@ -92,8 +95,8 @@ class Builder {
         }
         to.triangles.insert(to.triangles.end(), solid.mesh.triangles.begin(), solid.mesh.triangles.end());
         to.triangle_source.insert(to.triangle_source.end(), solid.source.begin(), solid.source.end());
-        // Cut faces have no source; their texture coordinates come from their planes.
-        to.triangle_source.resize(to.triangles.size(), 0);
+        // Only tells the cuts apart: the piece across is no longer known.
+        to.triangle_source.insert(to.triangle_source.end(), solid.cut.begin(), solid.cut.end());
         finish(piece);
     }
 
@@ -138,18 +141,27 @@ void stop_if(const std::function<bool()>& cancelled) {
     if (cancelled && cancelled()) throw Failure(exit_interrupted, "writing the pieces was cancelled");
 }
 
+// Moves planes from the stage to the file.
+std::vector<physics::HullPlane> in_file(std::span<const physics::HullPlane> planes, const StagePlacement& placement) {
+    std::vector<physics::HullPlane> moved;
+    for (const physics::HullPlane& plane : planes)
+        moved.push_back({plane.normal, glm::dot(plane.normal, placement.to_file(plane.distance * plane.normal))});
+    return moved;
+}
+
 // Returns the collision hulls of each piece. Pieces cut by blows may be far from convex and get as many hulls as they
-// need.
+// need. The others are cut along the contacts that they had before the run, whatever bonds are left.
 std::vector<std::vector<fracture::TriangleMesh>> hulls_of(const Snapshot& state, const fracture::Fragments& fragments,
+                                                          const StagePlacement& placement,
                                                           const std::function<bool()>& cancelled) {
-    const std::vector<std::vector<physics::HullPlane>> planes = physics::contact_planes(fragments);
+    const std::vector<std::vector<physics::HullPlane>> planes = physics::contact_planes(*state.fragments);
     std::vector<std::vector<fracture::TriangleMesh>> hulls;
     for (size_t p = 0; p < state.pieces.size(); ++p) {
         stop_if(cancelled);
         const fracture::Piece& piece = fragments.pieces[p];
         std::vector<fracture::TriangleMesh>& own = hulls.emplace_back();
         if (!state.pieces[p].solid) {
-            own.push_back(collision_mesh(fragments, piece, planes[p]));
+            own.push_back(collision_mesh(fragments, piece, in_file(planes[state.pieces[p].number], placement)));
             continue;
         }
         const glm::dvec3 centre = piece.mass.centre_of_mass;
@@ -193,14 +205,15 @@ LivePieces live_pieces(const Snapshot& state, const StagePlacement& placement) {
 std::vector<std::filesystem::path> write_state(const ExportSettings& settings, PiecesAs as,
                                                const FractureOptions& recipe, const Input& source,
                                                const Snapshot& state, const std::function<bool()>& cancelled) {
-    const LivePieces live = live_pieces(state, placement_on_stage(source.model.mesh, recipe.world));
+    const StagePlacement placement = placement_on_stage(source.model.mesh, recipe.world);
+    const LivePieces live = live_pieces(state, placement);
     check_source(live.fragments, source);
     fracture::ExportOptions options = export_options(settings, recipe, source);
     options.uv_by_plane = true;
     if (as == PiecesAs::they_lie) options.poses = live.poses;
     std::vector<std::vector<fracture::TriangleMesh>> hulls;
     if (wants_hulls(settings)) {
-        hulls = hulls_of(state, live.fragments, cancelled);
+        hulls = hulls_of(state, live.fragments, placement, cancelled);
         options.hulls = hulls;
     }
     const fracture::Certificate certificate = fracture::certify(source.model.mesh, live.fragments);
