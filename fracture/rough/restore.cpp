@@ -208,6 +208,7 @@ class Restorer::Joiner {
     void trace_border(std::span<const Triangle> triangles, const Group& group);
     void find_repeated_edges(const Fragments& from, const Piece& piece);
     bool lengthen_repeated_edges();
+    bool keep_open_groups(std::span<const Triangle> triangles);
     void split_repeated_diagonals(const Fragments& from, const Piece& piece);
     [[nodiscard]] bool is_divided(const Fragments& from, const Piece& piece, uint32_t t) const {
         return parts_of_source_[surface_.source[from.triangle_source[piece.triangles.begin + t]]] > 1;
@@ -233,7 +234,7 @@ class Restorer::Joiner {
         uint32_t dropped; // one of them, the lowest
     };
     std::vector<Shortened> shortened_;
-    std::vector<Edge> new_edges_, repeated_;
+    std::vector<Edge> new_edges_, repeated_, open_;
     std::vector<uint32_t> number_;
     Triangulator triangulator_;
     InteriorPoints interior_points_;
@@ -380,7 +381,9 @@ bool Restorer::Joiner::join_group(const Fragments& from, const Piece& piece, Gro
 }
 
 // Fills repeated_ with the edges between two points that more than two triangles would have: a new edge of a joined
-// triangle may have both ends on the border of a cut, and the cap may have an edge between them, too.
+// triangle may have both ends on the border of a cut, and the cap may have an edge between them, too. Fills open_ with
+// those that one triangle would have: where a sheet without volume has merged with a piece, the parts of a triangle may
+// lie on each other, and their border is not that of a polygon.
 void Restorer::Joiner::find_repeated_edges(const Fragments& from, const Piece& piece) {
     used_.assign(piece.vertices.size() + added_.size(), 0); // vertices with a new edge
     for (const Shortened& edge : shortened_) used_[edge.ends[0]] = used_[edge.ends[1]] = 1;
@@ -406,9 +409,30 @@ void Restorer::Joiner::find_repeated_edges(const Fragments& from, const Piece& p
     }
     std::sort(new_edges_.begin(), new_edges_.end());
     repeated_.clear();
-    for (size_t k = 0; k + 2 < new_edges_.size(); ++k)
-        if (new_edges_[k] == new_edges_[k + 2] && (repeated_.empty() || repeated_.back() != new_edges_[k]))
-            repeated_.push_back(new_edges_[k]);
+    open_.clear();
+    for (size_t k = 0, end = 0; k < new_edges_.size(); k = end) {
+        while (end < new_edges_.size() && new_edges_[end] == new_edges_[k]) ++end;
+        if (end - k > 2) repeated_.push_back(new_edges_[k]);
+        if (end - k == 1) open_.push_back(new_edges_[k]);
+    }
+}
+
+// Leaves the parts of those triangles as they are whose joined triangles have open edges. Returns whether there are any.
+bool Restorer::Joiner::keep_open_groups(std::span<const Triangle> triangles) {
+    if (open_.empty()) return false;
+    const auto has_open_edge = [&](const Triangle& t) {
+        for (int m = 0; m < 3; ++m)
+            if (std::binary_search(open_.begin(), open_.end(), edge_between(t[m], t[(m + 1) % 3]))) return true;
+        return false;
+    };
+    bool any = false;
+    for (Group& group : groups_) {
+        const auto first = joined_.begin() + group.joined_begin, last = joined_.begin() + group.joined_end;
+        if (group.kept || std::none_of(first, last, has_open_edge)) continue;
+        keep(triangles, group);
+        any = true;
+    }
+    return any;
 }
 
 // Brings back a vertex of each repeated edge from which vertices were dropped. Returns whether there is such an edge.
@@ -482,7 +506,7 @@ void Restorer::Joiner::join(const Fragments& from, const Piece& piece, Fragments
         }
         if (changed) continue;
         find_repeated_edges(from, piece);
-        changed = lengthen_repeated_edges();
+        changed = keep_open_groups(triangles) || lengthen_repeated_edges();
     }
     split_repeated_diagonals(from, piece);
 

@@ -294,3 +294,33 @@ TEST_CASE("solid piece: thin and slender solids bear less than a cube of their v
     CHECK(bears({1.0, 1.0, 0.1}) == doctest::Approx(0.1 * material.tensile));
     CHECK(bears({10.0, 0.1, 0.1}) == doctest::Approx(0.01 * material.tensile));
 }
+
+TEST_CASE("solid piece: rough pieces that are cut again along the cuts that they have stay closed") {
+    const fracture::TriangleMesh mesh = *fracture::shape("wall");
+    const fracture::Box box = fracture::bounds(mesh);
+    std::vector<glm::dvec3> sites; // of a lattice
+    std::vector<uint32_t> groups;
+    for (int x = 0; x < 5; ++x)
+        for (int y = 0; y < 5; ++y) {
+            sites.push_back(box.min + glm::dvec3((x + 0.5) / 5.0, (y + 0.5) / 5.0, 0.5) * box.size());
+            groups.push_back(static_cast<uint32_t>(groups.size()));
+        }
+    SolidSettings settings{.min_size = 0.01, .rough = {.amount = 0.4, .wavelength = 0.2}};
+    std::vector<SolidPtr> solids{must_make(mesh, settings)};
+    for (uint64_t level = 1; level <= 3; ++level) {
+        settings.rough.seed = level;
+        std::vector<SolidPtr> pieces;
+        for (const SolidPtr& solid : solids) {
+            const auto broken = break_solid(*solid, sites, groups, settings);
+            REQUIRE_MESSAGE(broken.has_value(), (broken ? std::string() : broken.error().message));
+            pieces.insert(pieces.end(), broken->begin(), broken->end());
+        }
+        for (const SolidPtr& piece : pieces) {
+            const auto report = fracture::check_topology(piece->positions.size(), piece->mesh.triangles);
+            CHECK(fracture::describe(report) == "");
+        }
+        solids.clear();
+        for (const SolidPtr& piece : pieces)
+            if (piece->breakable && solids.size() < 12) solids.push_back(piece);
+    }
+}
