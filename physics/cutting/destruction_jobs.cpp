@@ -151,10 +151,10 @@ bool Destruction::cuts(const World& world, const Live& piece, const Hit& hit) co
 void Destruction::hit_piece(const World& world, PieceId id, const Hit& hit) {
     Live& piece = pieces_.at(id);
     if (!cuts(world, piece, hit)) return break_elsewhere(world, id, hit);
-    if (!(hit.blow.force > piece.solid->bearable))
-        break_elsewhere(world, id, hit, plan(world, piece, hit.blow, hit.bounce));
     if (piece.job == none) {
-        start_job(world, id, hit);
+        if (!(hit.blow.force > piece.solid->bearable))
+            break_elsewhere(world, id, hit, plan(world, piece, hit.blow, hit.bounce));
+        if (piece.job == none) start_job(world, id, hit);
         return;
     }
     if (!piece.waiting) {
