@@ -16,7 +16,6 @@
 #include "fracture/exact/scene.h"
 #include "fracture/exact/surface.h"
 #include "fracture/mesh/half_edge.h"
-#include "fracture/mesh/islands.h"
 #include "fracture/mesh/mass_properties.h"
 #include "fracture/mesh/topology.h"
 #include "fracture/pieces/certificate.h"
@@ -145,28 +144,12 @@ Result<HalfEdgeMesh> build_solid(const TriangleMesh& mesh) {
     return without;
 }
 
-// Returns whether the volume certainly exceeds the threshold of is_flat(). Most pieces pass and need no scan.
-bool is_ample(const MassProperties& mass, const Box& box, double extent) {
-    const double diagonal = glm::length(box.size());
-    return mass.volume > 1e-12 * (mass.area * extent + diagonal * diagonal * diagonal);
-}
-
 // Chooses the pieces to merge with their neighbours: those of one group, those below the minimum volume, and those
 // without volume. Where a bisector runs along a face of the solid, symbolic perturbation may leave a sheet of zero
 // thickness in the cell across. `small` as in MergeRules. Returns the representative of each piece; empty for no merger.
 std::vector<uint32_t> choose_mergers(const Settings& settings, const Box& box, std::span<const uint8_t> small,
                                      const Fragments& fragments) {
-    const double extent = extent_of(box);
-    std::vector<uint8_t> flat;
-    for (size_t p = 0; p < fragments.pieces.size(); ++p) {
-        const Piece& piece = fragments.pieces[p];
-        if (is_ample(piece.mass, box, extent)) continue;
-        const bool is_cut = piece.exterior_triangles < piece.triangles.size();
-        if (!is_flat(piece.mass, fragments.positions_of(piece), fragments.triangles_of(piece), is_cut ? extent : 0.0))
-            continue;
-        flat.resize(fragments.pieces.size(), 0);
-        flat[p] = 1;
-    }
+    const std::vector<uint8_t> flat = flat_pieces(fragments, box);
     if (flat.empty() && small.empty() && settings.groups.empty() && settings.min_volume <= 0.0) return {};
     return choose_mergers(fragments, {settings.groups, settings.min_volume, flat, small});
 }
@@ -256,19 +239,9 @@ void number_points(std::span<const glm::dvec3> vertices, Fragments& fragments) {
 Result<void> run_rough(const TriangleMesh& mesh, std::span<const glm::dvec3> sites, const Settings& settings,
                        Workspace::State& state, Fragments& out) {
     state.rough.start(mesh, sites, settings);
-    do {
-        if (Result<void> done = state.rough.cut(mesh, sites, settings, state.exact, out); !done) return done;
-        const std::vector<uint8_t> flakes = state.rough.place(sites.size(), out);
-        const auto start = std::chrono::steady_clock::now();
-        const std::vector<uint32_t> representative = choose_mergers(settings, bounds(mesh), flakes, out);
-        if (!representative.empty()) {
-            state.rough.warp(out);
-            merge(representative, start, settings, out);
-            (void)state.rough.place(sites.size(), out);
-        }
-        state.rough.join(mesh, out);
-    } while (state.rough.calm(settings, out));
-    return {};
+    return state.rough.run(
+        mesh, sites, settings, state.exact,
+        [&](const std::vector<uint8_t>& flakes) { return choose_mergers(settings, bounds(mesh), flakes, out); }, out);
 }
 
 Result<void> run_rough(const TriangleMesh& mesh, const Box& box, std::span<const glm::dvec3> sites,

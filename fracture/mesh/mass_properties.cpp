@@ -126,36 +126,49 @@ double volume_error_bound(std::span<const glm::dvec3> positions, std::span<const
     return u * sum / 6.0;
 }
 
+namespace {
+
+// With d = 6 x the signed volume of the tetrahedron (origin, a, b, c) and s = a + b + c, the integrals over it are
+// 1: d/6,  x: d/24 s,  x x^T: d/120 (a a^T + b b^T + c c^T + s s^T). The normal comes from edges instead of b x c,
+// so its rounding error shrinks with the triangle.
+enum { six_volume, two_area, mx, my, mz, cxx, cyy, czz, cxy, cyz, czx, moments };
+
+CompensatedSum<moments> moments_of(std::span<const glm::dvec3> positions, std::span<const Triangle> triangles,
+                                   const glm::dvec3& origin) {
+    return integrate<moments>(positions, triangles, origin,
+                              [](const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c,
+                                 const glm::dvec3& normal, std::array<double, moments>& sum) {
+                                  const double d = dot(a, normal);
+                                  const glm::dvec3 s = a + b + c;
+                                  const auto product = [&](int i, int j) {
+                                      return d * (a[i] * a[j] + b[i] * b[j] + c[i] * c[j] + s[i] * s[j]);
+                                  };
+                                  sum[six_volume] += d;
+                                  sum[two_area] += length(normal);
+                                  sum[mx] += d * s.x;
+                                  sum[my] += d * s.y;
+                                  sum[mz] += d * s.z;
+                                  sum[cxx] += product(0, 0);
+                                  sum[cyy] += product(1, 1);
+                                  sum[czz] += product(2, 2);
+                                  sum[cxy] += product(0, 1);
+                                  sum[cyz] += product(1, 2);
+                                  sum[czx] += product(2, 0);
+                              });
+}
+
+// Second moments about the centre of mass, as an inertia tensor.
+glm::dmat3 inertia_of(double xx, double yy, double zz, double xy, double yz, double zx) {
+    return glm::dmat3(yy + zz, -xy, -zx, -xy, zz + xx, -yz, -zx, -yz, xx + yy);
+}
+
+} // namespace
+
 MassProperties mass_properties(std::span<const glm::dvec3> positions, std::span<const Triangle> triangles) {
     MassProperties mass;
     if (triangles.empty()) return mass;
     const Frame frame = frame_of(positions, triangles);
-
-    // With d = 6 x the signed volume of the tetrahedron (origin, a, b, c) and s = a + b + c, the integrals over it are
-    // 1: d/6,  x: d/24 s,  x x^T: d/120 (a a^T + b b^T + c c^T + s s^T). The normal comes from edges instead of b x c,
-    // so its rounding error shrinks with the triangle.
-    enum { six_volume, two_area, mx, my, mz, cxx, cyy, czz, cxy, cyz, czx, count };
-    const auto sums = integrate<count>(positions, triangles, frame.centre,
-                                       [](const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c,
-                                          const glm::dvec3& normal, std::array<double, count>& sum) {
-                                           const double d = dot(a, normal);
-                                           const glm::dvec3 s = a + b + c;
-                                           const auto product = [&](int i, int j) {
-                                               return d * (a[i] * a[j] + b[i] * b[j] + c[i] * c[j] + s[i] * s[j]);
-                                           };
-                                           sum[six_volume] += d;
-                                           sum[two_area] += length(normal);
-                                           sum[mx] += d * s.x;
-                                           sum[my] += d * s.y;
-                                           sum[mz] += d * s.z;
-                                           sum[cxx] += product(0, 0);
-                                           sum[cyy] += product(1, 1);
-                                           sum[czz] += product(2, 2);
-                                           sum[cxy] += product(0, 1);
-                                           sum[cyz] += product(1, 2);
-                                           sum[czx] += product(2, 0);
-                                       });
-
+    const auto sums = moments_of(positions, triangles, frame.centre);
     mass.volume = sums[six_volume] / 6.0;
     mass.area = sums[two_area] / 2.0;
     if (std::abs(mass.volume) <= volume_noise * mass.area * frame.radius) {
@@ -169,10 +182,31 @@ MassProperties mass_properties(std::span<const glm::dvec3> positions, std::span<
     const auto second = [&](int k, int i, int j) {
         return sums[static_cast<size_t>(k)] / 120.0 - mass.volume * offset[i] * offset[j];
     };
-    const double xx = second(cxx, 0, 0), yy = second(cyy, 1, 1), zz = second(czz, 2, 2);
-    const double xy = second(cxy, 0, 1), yz = second(cyz, 1, 2), zx = second(czx, 2, 0);
-    mass.inertia = glm::dmat3(yy + zz, -xy, -zx, -xy, zz + xx, -yz, -zx, -yz, xx + yy);
+    mass.inertia = inertia_of(second(cxx, 0, 0), second(cyy, 1, 1), second(czz, 2, 2), second(cxy, 0, 1),
+                              second(cyz, 1, 2), second(czx, 2, 0));
     return mass;
+}
+
+MassProperties exchange_triangles(const MassProperties& before, std::span<const glm::dvec3> removed_positions,
+                                  std::span<const Triangle> removed, std::span<const glm::dvec3> added_positions,
+                                  std::span<const Triangle> added) {
+    const glm::dvec3& origin = before.centre_of_mass;
+    const auto gone = moments_of(removed_positions, removed, origin), come = moments_of(added_positions, added, origin);
+    const auto change = [&](size_t k) { return come[k] - gone[k]; };
+    MassProperties after;
+    after.volume = before.volume + change(six_volume) / 6.0;
+    after.area = before.area + change(two_area) / 2.0;
+    const glm::dvec3 offset = glm::dvec3(change(mx), change(my), change(mz)) / (24.0 * after.volume);
+    after.centre_of_mass = origin + offset;
+    const glm::dmat3& inertia = before.inertia;
+    const double half_trace = 0.5 * (inertia[0][0] + inertia[1][1] + inertia[2][2]);
+    const auto second = [&](size_t k, int i, int j) {
+        const double old = i == j ? half_trace - inertia[i][i] : -inertia[i][j];
+        return old + change(k) / 120.0 - after.volume * offset[i] * offset[j];
+    };
+    after.inertia = inertia_of(second(cxx, 0, 0), second(cyy, 1, 1), second(czz, 2, 2), second(cxy, 0, 1),
+                               second(cyz, 1, 2), second(czx, 2, 0));
+    return after;
 }
 
 } // namespace brittle::fracture

@@ -36,6 +36,14 @@ struct MassProperties {
 // Returns the volume alone (eq. 5), bit for bit equal to mass_properties().volume, at about half the cost.
 [[nodiscard]] double signed_volume(std::span<const glm::dvec3> positions, std::span<const Triangle> triangles);
 
+// Returns the mass properties of a closed mesh of positive volume after some of its triangles were exchanged for others
+// with the same border. Time is linear in the triangles exchanged. The area of what is left alone keeps its rounding.
+[[nodiscard]] MassProperties exchange_triangles(const MassProperties& before,
+                                                std::span<const glm::dvec3> removed_positions,
+                                                std::span<const Triangle> removed,
+                                                std::span<const glm::dvec3> added_positions,
+                                                std::span<const Triangle> added);
+
 // Returns a bound on the rounding error of signed_volume(), for exact positions.
 [[nodiscard]] double volume_error_bound(std::span<const glm::dvec3> positions, std::span<const Triangle> triangles);
 

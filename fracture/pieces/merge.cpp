@@ -10,9 +10,11 @@
 #include <tuple>
 #include <utility>
 
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
 #include "fracture/base/union_find.h"
+#include "fracture/mesh/islands.h"
 #include "fracture/pieces/cap_pairs.h"
 #include "fracture/pieces/sewing.h"
 
@@ -221,6 +223,32 @@ class MergerChoice {
 };
 
 } // namespace
+
+namespace {
+
+// Returns whether the volume certainly exceeds the threshold of is_flat(). Most pieces pass and need no scan.
+bool is_ample(const MassProperties& mass, const Box& box, double extent) {
+    const double diagonal = glm::length(box.size());
+    return mass.volume > 1e-12 * (mass.area * extent + diagonal * diagonal * diagonal);
+}
+
+} // namespace
+
+std::vector<uint8_t> flat_pieces(const Fragments& fragments, const Box& solid) {
+    const glm::dvec3 furthest = glm::max(glm::abs(solid.min), glm::abs(solid.max));
+    const double extent = std::max({furthest.x, furthest.y, furthest.z});
+    std::vector<uint8_t> flat;
+    for (size_t p = 0; p < fragments.pieces.size(); ++p) {
+        const Piece& piece = fragments.pieces[p];
+        if (is_ample(piece.mass, solid, extent)) continue;
+        const bool is_cut = piece.exterior_triangles < piece.triangles.size();
+        if (!is_flat(piece.mass, fragments.positions_of(piece), fragments.triangles_of(piece), is_cut ? extent : 0.0))
+            continue;
+        flat.resize(fragments.pieces.size(), 0);
+        flat[p] = 1;
+    }
+    return flat;
+}
 
 std::vector<uint32_t> choose_mergers(const Fragments& fragments, const MergeRules& rules) {
     MergerChoice choice(fragments, rules);

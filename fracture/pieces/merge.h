@@ -25,6 +25,10 @@ struct MergeRules {
     std::span<const uint8_t> small{}; // per piece: 1 for a piece that counts as below the minimum; or empty
 };
 
+// Returns, per piece, 1 for a piece without volume (is_flat() in mesh/islands.h); empty if there is none. `solid` is the box
+// of the solid that was cut.
+[[nodiscard]] std::vector<uint8_t> flat_pieces(const Fragments& fragments, const Box& solid);
+
 // Returns the representative of each piece: within a group the piece with the lowest index, for a small piece the
 // neighbour that absorbs it. Pieces are absorbed in ascending order of volume; among contacts of equal area the
 // neighbour with the lower index is chosen. A small piece without neighbours remains; a flat piece without a neighbour

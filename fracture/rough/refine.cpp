@@ -63,6 +63,7 @@ SurfaceRefiner::Part SurfaceRefiner::narrow(const Triangle& corners, uint32_t be
 
 // Returns the vertex that halves an edge, or no_index where the edge stays whole.
 uint32_t SurfaceRefiner::midpoint(uint32_t a, uint32_t b, const Part& part, Surface& out) {
+    if (is_far(a) || is_far(b)) return no_index;
     const double length = glm::distance(out.positions[a], out.positions[b]);
     if (!(length > 1.5 * spacing_)) return no_index;
     const uint64_t key = uint64_t{std::min(a, b)} << 32 | std::max(a, b);
@@ -124,9 +125,11 @@ void SurfaceRefiner::divide(const Part& whole, uint32_t source, Surface& out) {
     }
 }
 
-bool SurfaceRefiner::run(const TriangleMesh& mesh, std::vector<glm::dvec3> warped_positions, const Warp& warp,
-                         const WarpedSites& sites, double spacing, size_t max_triangles, Surface& out) {
+bool SurfaceRefiner::run(const TriangleMesh& mesh, std::vector<glm::dvec3> warped_positions,
+                         std::span<const uint8_t> far, const Warp& warp, const WarpedSites& sites, double spacing,
+                         size_t max_triangles, Surface& out) {
     warp_ = &warp;
+    far_ = far;
     sites_ = sites;
     spacing_ = spacing;
     max_triangles_ = max_triangles;
@@ -136,8 +139,11 @@ bool SurfaceRefiner::run(const TriangleMesh& mesh, std::vector<glm::dvec3> warpe
     out.warped.triangles.clear();
     out.source.clear();
     const auto is_long = [&](const Triangle& t) {
-        for (int k = 0; k < 3; ++k)
-            if (glm::distance(mesh.positions[t[k]], mesh.positions[t[(k + 1) % 3]]) > 1.5 * spacing) return true;
+        for (int k = 0; k < 3; ++k) {
+            const uint32_t a = t[k], b = t[(k + 1) % 3];
+            if (!is_far(a) && !is_far(b) && glm::distance(mesh.positions[a], mesh.positions[b]) > 1.5 * spacing)
+                return true;
+        }
         return false;
     };
     if (sites.positions.size() < 2 || std::none_of(mesh.triangles.begin(), mesh.triangles.end(), is_long)) {

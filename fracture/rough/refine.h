@@ -34,9 +34,10 @@ class SurfaceRefiner {
   public:
     // Fills `out` with the surface of the mesh, divided to edges of `spacing`, m. Returns false where that would make
     // more than max_triangles; `out` is unspecified then. Precondition: the indices of the mesh are in range.
-    // `warped_positions` are the vertices of the mesh after the warp.
-    bool run(const TriangleMesh& mesh, std::vector<glm::dvec3> warped_positions, const Warp& warp,
-             const WarpedSites& sites, double spacing, size_t max_triangles, Surface& out);
+    // `warped_positions` are the vertices of the mesh after the warp. An edge stays whole where `far` is 1 at an end;
+    // `far` has one entry a vertex, or none.
+    bool run(const TriangleMesh& mesh, std::vector<glm::dvec3> warped_positions, std::span<const uint8_t> far,
+             const Warp& warp, const WarpedSites& sites, double spacing, size_t max_triangles, Surface& out);
 
   private:
     struct Part {
@@ -46,6 +47,7 @@ class SurfaceRefiner {
     void divide(const Part& whole, uint32_t source, Surface& out);
     [[nodiscard]] Part narrow(const Triangle& corners, uint32_t begin, uint32_t end, const Surface& out);
     [[nodiscard]] uint32_t midpoint(uint32_t a, uint32_t b, const Part& part, Surface& out);
+    [[nodiscard]] bool is_far(uint32_t vertex) const { return vertex < far_.size() && far_[vertex]; }
     [[nodiscard]] double power(uint32_t site, const glm::dvec3& p) const;
     [[nodiscard]] bool share_group(uint32_t a, uint32_t b) const {
         return a == b || (!sites_.groups.empty() && sites_.groups[a] == sites_.groups[b]);
@@ -53,6 +55,7 @@ class SurfaceRefiner {
     [[nodiscard]] bool meets_cut(const glm::dvec3& centre, double radius, const Part& part) const;
 
     const Warp* warp_ = nullptr;
+    std::span<const uint8_t> far_;
     WarpedSites sites_;
     double spacing_ = 0.0;
     size_t max_triangles_ = 0;

@@ -9,6 +9,7 @@
 #include <glm/geometric.hpp>
 
 #include "fracture/mesh/mass_properties.h"
+#include "fracture/pieces/merge.h"
 #include "fracture/rough/crossings.h"
 
 namespace brittle::fracture::rough {
@@ -142,10 +143,9 @@ Result<void> check(const Roughness& r) {
 }
 
 // Sets roughness_, wavelength_ and spacing_: as asked, or coarser, where the triangles would be too many.
-void RoughCut::choose_spacing(const TriangleMesh& mesh, std::span<const glm::dvec3> sites, const Roughness& roughness) {
-    const Box box = bounds(mesh);
+void RoughCut::choose_spacing(const Box& box, size_t site_count, const Roughness& roughness) {
     roughness_ = roughness;
-    wavelength_ = roughness.wavelength > 0.0 ? roughness.wavelength : typical_distance(mesh, sites);
+    wavelength_ = roughness.wavelength;
     const double stretch = glm::length(roughness.grain);
     const double shrink = stretch > 0.0 ? std::min(stretch, 1.0) : 1.0;
     const double least = min_spacing * glm::length(box.size());
@@ -153,7 +153,7 @@ void RoughCut::choose_spacing(const TriangleMesh& mesh, std::span<const glm::dve
         return shrink * wavelength_ / points_per_wavelength / static_cast<double>(1u << (roughness_.detail - 1));
     };
     const auto fits = [&](double s) {
-        return s >= least && estimate_triangles(box, sites.size(), s) <= static_cast<double>(roughness.max_triangles);
+        return s >= least && estimate_triangles(box, site_count, s) <= static_cast<double>(roughness.max_triangles);
     };
     while (roughness_.detail > 1 && !fits(spacing())) --roughness_.detail;
     spacing_ = spacing();
@@ -163,19 +163,34 @@ void RoughCut::choose_spacing(const TriangleMesh& mesh, std::span<const glm::dve
     if (!(wavelength_ > least)) roughness_.amount = 0.0;
 }
 
-void RoughCut::start(const TriangleMesh& mesh, std::span<const glm::dvec3> sites, const Settings& settings) {
+void RoughCut::begin(const Settings& settings) {
     if (requested_threads_ != settings.threads) {
         threads_ = Threads(settings.threads);
         requested_threads_ = settings.threads;
     }
     threads_.log_to(settings.work_log);
     threads_.cancel_by(settings.cancelled);
+    calm_balls_.clear();
+    rounds_ = 0;
+    far_ = {};
+}
+
+void RoughCut::start(const TriangleMesh& mesh, std::span<const glm::dvec3> sites, const Settings& settings) {
+    begin(settings);
     const auto vertices = static_cast<uint32_t>(mesh.positions.size());
     in_range_ = std::all_of(mesh.triangles.begin(), mesh.triangles.end(),
                             [&](const Triangle& t) { return t.x < vertices && t.y < vertices && t.z < vertices; });
-    if (in_range_) choose_spacing(mesh, sites, settings.rough);
-    calm_balls_.clear();
-    rounds_ = 0;
+    if (!in_range_) return;
+    Roughness roughness = settings.rough;
+    if (!(roughness.wavelength > 0.0)) roughness.wavelength = typical_distance(mesh, sites);
+    choose_spacing(bounds(mesh), sites.size(), roughness);
+}
+
+void RoughCut::start(const Box& solid, size_t site_count, const Settings& settings, std::span<const uint8_t> far) {
+    begin(settings);
+    far_ = far;
+    in_range_ = true;
+    choose_spacing(solid, site_count, settings.rough);
 }
 
 Result<void> RoughCut::cut(const TriangleMesh& mesh, std::span<const glm::dvec3> sites, const Settings& settings,
@@ -197,7 +212,7 @@ Result<void> RoughCut::cut(const TriangleMesh& mesh, std::span<const glm::dvec3>
     const WarpedSites warped{warped_sites_, settings.weights, groups};
     const double unlimited = std::numeric_limits<double>::infinity();
     double spacing = spacing_ > 0.0 ? spacing_ : unlimited;
-    while (!refiner_.run(mesh, warped_positions_, warp_, warped, spacing,
+    while (!refiner_.run(mesh, warped_positions_, far_, warp_, warped, spacing,
                          mesh.triangles.size() + settings.rough.max_triangles, surface_))
         spacing *= 2.0;
     std::vector<Milliseconds> timings;
@@ -244,7 +259,7 @@ std::vector<uint8_t> RoughCut::place(size_t site_count, Fragments& pieces) {
     return flakes;
 }
 
-void RoughCut::warp(Fragments& pieces) {
+void RoughCut::warp_back(Fragments& pieces) {
     std::swap(cut_positions_, pieces.positions);
 }
 
@@ -269,6 +284,23 @@ bool RoughCut::calm(const Settings& settings, Fragments& pieces) {
         if (is_new) calm_balls_.push_back({crossing.centre, radius});
     }
     return true;
+}
+
+Result<void> RoughCut::run(const TriangleMesh& mesh, std::span<const glm::dvec3> sites, const Settings& settings,
+                           exact::Scratch& scratch, const Choice& choose, Fragments& out) {
+    do {
+        if (Result<void> done = cut(mesh, sites, settings, scratch, out); !done) return done;
+        const std::vector<uint32_t> representative = choose(place(sites.size(), out));
+        if (!representative.empty()) {
+            Stopwatch watch;
+            warp_back(out);
+            merge_pieces(out, representative, threads_);
+            watch.lap("merge", out);
+            (void)place(sites.size(), out);
+        }
+        join(mesh, out);
+    } while (calm(settings, out));
+    return {};
 }
 
 } // namespace brittle::fracture::rough

@@ -12,6 +12,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "fracture/local/cluster_queries.h"
 #include "fracture/mesh/nearest.h"
 #include "physics/cutting/destruction_seeds.h"
 #include "physics/world/body_motion.h"
@@ -187,7 +188,9 @@ Result<std::vector<SolidPtr>> cut_pieces(const PlannedCut& cut, const Damage& da
     ImpactPattern pattern = cut.desc->pattern;
     pattern.seed = cut.seed;
     Blow on_surface = cut.blow;
-    on_surface.point = fracture::nearest_on(cut.solid->mesh, cut.blow.point);
+    const bool has_clusters = cut.solid->clusters.triangle_count() > 0;
+    on_surface.point = has_clusters ? fracture::nearest_on(cut.solid->clusters, cut.blow.point)
+                                    : fracture::nearest_on(cut.solid->mesh, cut.blow.point);
     SolidSettings settings = cut.desc->solid;
     settings.rough.seed = cut.seed;
     settings.rough.detail = 1; // for the latency of blows
@@ -195,7 +198,7 @@ Result<std::vector<SolidPtr>> cut_pieces(const PlannedCut& cut, const Damage& da
         settings.rough.grain = glm::length(settings.rough.grain) * longest_axis(cut.solid->mass);
     ImpactSites sites;
     const auto broken = [&] {
-        sites = impact_sites(cut.solid->mesh, cut.solid->mass, on_surface, damage, pattern);
+        sites = impact_sites(cut.solid->mesh, cut.solid->mass, on_surface, damage, pattern, cut.solid->clusters);
         return break_solid(*cut.solid, sites.sites, sites.groups, settings, cancelled);
     };
     Result<std::vector<SolidPtr>> pieces = broken();

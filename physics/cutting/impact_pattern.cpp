@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <memory>
 #include <numbers>
 #include <numeric>
 #include <utility>
@@ -11,6 +13,7 @@
 #include <glm/gtc/quaternion.hpp>
 
 #include "fracture/base/random.h"
+#include "fracture/local/cluster_queries.h"
 #include "fracture/mesh/inside.h"
 #include "fracture/mesh/principal_axes.h"
 #include "fracture/sites/layout.h"
@@ -64,16 +67,52 @@ glm::dvec3 in_half_ball(Random& random, const glm::dvec3& along, double power) {
     return d * std::pow(random.uniform(), power);
 }
 
+// What the layout of sites asks about a solid; of its clusters, if it has any.
+class Shape {
+  public:
+    Shape(const fracture::TriangleMesh& mesh, const fracture::ClusterMesh& clusters)
+        : mesh_(mesh), clusters_(clusters), clustered_(clusters.triangle_count() > 0) {}
+
+    [[nodiscard]] fracture::Box box() const { return clustered_ ? clusters_.box() : fracture::bounds(mesh_); }
+    // The largest coordinate along a direction, seen from a point; at least 0.
+    [[nodiscard]] double farthest_along(const glm::dvec3& from, const glm::dvec3& direction) const {
+        if (clustered_) return std::max(0.0, fracture::farthest_along(clusters_, from, direction));
+        double farthest = 0.0;
+        for (const glm::dvec3& p : mesh_.positions) farthest = std::max(farthest, glm::dot(p - from, direction));
+        return farthest;
+    }
+    [[nodiscard]] double farthest_from(const glm::dvec3& point) const {
+        if (clustered_) return fracture::farthest_from(clusters_, point);
+        double farthest = 0.0;
+        for (const glm::dvec3& p : mesh_.positions) farthest = std::max(farthest, glm::distance(p, point));
+        return farthest;
+    }
+    // Vertices all over the surface: one a cluster, or all.
+    [[nodiscard]] std::vector<glm::dvec3> spread_vertices() const {
+        if (!clustered_) return mesh_.positions;
+        std::vector<glm::dvec3> some;
+        clusters_.for_each([&](const fracture::ClusterPtr& cluster) { some.push_back(cluster->positions[0]); });
+        return some;
+    }
+    [[nodiscard]] std::function<bool(const glm::dvec3&)> inside_test() const {
+        if (clustered_) return [this](const glm::dvec3& point) { return fracture::is_inside(clusters_, point); };
+        return [test = std::make_shared<const fracture::InsideTest>(mesh_)](const glm::dvec3& point) {
+            return (*test)(point);
+        };
+    }
+
+  private:
+    const fracture::TriangleMesh& mesh_;
+    const fracture::ClusterMesh& clusters_;
+    bool clustered_;
+};
+
 class Maker {
   public:
-    Maker(const fracture::TriangleMesh& solid, const Blow& blow, const Damage& damage, const ImpactPattern& pattern)
-        : solid_(solid), blow_(blow), damage_(damage), pattern_(pattern), random_(pattern.seed) {
-        double farthest = 0.0;
-        for (const glm::dvec3& p : solid_.positions) {
-            depth_ = std::max(depth_, glm::dot(p - blow_.point, blow_.normal));
-            farthest = std::max(farthest, glm::distance(p, blow_.point));
-        }
-        reach_ = inner_ratio * std::min(damage_.radius, farthest);
+    Maker(const Shape& solid, const Blow& blow, const Damage& damage, const ImpactPattern& pattern)
+        : solid_(solid), blow_(blow), damage_(damage), pattern_(pattern), random_(pattern.seed),
+          depth_(solid.farthest_along(blow.point, blow.normal)) {
+        reach_ = inner_ratio * std::min(damage_.radius, solid_.farthest_from(blow_.point));
     }
 
     ImpactSites run(const fracture::MassProperties& mass) {
@@ -117,7 +156,7 @@ class Maker {
         }
         fracture::Placement placement = pattern_.placement;
         placement.turn.y += 360.0 * random_.uniform();
-        result_.sites = fracture::place(pattern_.diagram, from, fracture::bounds(solid_), placement);
+        result_.sites = fracture::place(pattern_.diagram, from, solid_.box(), placement);
         for (const glm::dvec3& site : result_.sites)
             result_.groups.push_back(glm::distance(site, blow_.point) <= damage_.radius ? result_.rest++ : stays);
         return finished();
@@ -167,10 +206,7 @@ class Maker {
         for (uint32_t k = 0; k < rays; ++k) {
             const double angle = 2.0 * pi * (k + turn + ray_jitter * (random_.uniform() - 0.5)) / rays;
             ways.push_back(std::cos(angle) * frame.u + std::sin(angle) * frame.v);
-            double farthest = 0.0;
-            for (const glm::dvec3& p : solid_.positions)
-                farthest = std::max(farthest, glm::dot(p - blow_.point, ways.back()));
-            edge += farthest / rays;
+            edge += solid_.farthest_along(blow_.point, ways.back()) / rays;
         }
         // Distances of the concentric cracks: last_ring, last_ring / ring_growth, ...
         const double last_ring = std::min(inner_ratio * damage_.radius, ring_reach * edge);
@@ -269,9 +305,9 @@ class Maker {
     // The halves next to the bricks belong to the rest; without their sites, sites farther off would give the bricks
     // other faces.
     bool bricks() {
-        const fracture::InsideTest inside(solid_);
-        const BricksTaken taken = bricks_near(pattern_.bond, fracture::bounds(solid_), blow_.point, damage_.radius,
-                                              damage_.pieces, [&](const glm::dvec3& middle) { return inside(middle); });
+        const auto inside = solid_.inside_test();
+        const BricksTaken taken =
+            bricks_near(pattern_.bond, solid_.box(), blow_.point, damage_.radius, damage_.pieces, inside);
         for (const auto& halves : taken.bricks) {
             for (const glm::dvec3& site : halves) add(site, result_.rest);
             ++result_.rest;
@@ -301,12 +337,12 @@ class Maker {
                    || std::ranges::all_of(near,
                                           [&](const glm::dvec3& site) { return glm::distance(p, site) >= clear_; });
         };
-        for (const glm::dvec3& p : solid_.positions)
+        for (const glm::dvec3& p : solid_.spread_vertices())
             if (glm::distance(p, blow_.point) > beyond && clear(p)) far.push_back(p);
         for (const glm::dvec3& p : spread_points(far, outer_sites, result_.sites)) add_rest(p);
     }
 
-    const fracture::TriangleMesh& solid_;
+    const Shape& solid_;
     const Blow& blow_;
     const Damage& damage_;
     const ImpactPattern& pattern_;
@@ -365,9 +401,10 @@ Damage damage_of(const Blow& blow, const Material& material, double volume, cons
 }
 
 ImpactSites impact_sites(const fracture::TriangleMesh& solid, const fracture::MassProperties& mass, const Blow& blow,
-                         const Damage& damage, const ImpactPattern& pattern) {
+                         const Damage& damage, const ImpactPattern& pattern, const fracture::ClusterMesh& clusters) {
     if (!(damage.radius > 0.0) || damage.pieces == 0) return {};
-    Maker maker(solid, blow, damage, pattern);
+    const Shape shape(solid, clusters);
+    Maker maker(shape, blow, damage, pattern);
     return pattern.diagram.empty() ? maker.run(mass) : maker.from_diagram();
 }
 

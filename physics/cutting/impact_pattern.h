@@ -25,6 +25,7 @@
 
 #include <glm/vec3.hpp>
 
+#include "fracture/local/cluster_mesh.h"
 #include "fracture/mesh/mass_properties.h"
 #include "fracture/mesh/mesh.h"
 #include "fracture/sites/pattern.h"
@@ -90,9 +91,10 @@ struct ImpactSites {
 // The direction of the least moment of inertia, along which splinters run. A unit vector.
 [[nodiscard]] glm::dvec3 longest_axis(const fracture::MassProperties& mass);
 
-// Empty without damage.
+// Empty without damage. `clusters` are the solid's, if it has any: with them the cost does not grow with the solid.
 [[nodiscard]] ImpactSites impact_sites(const fracture::TriangleMesh& solid, const fracture::MassProperties& mass,
-                                       const Blow& blow, const Damage& damage, const ImpactPattern& pattern);
+                                       const Blow& blow, const Damage& damage, const ImpactPattern& pattern,
+                                       const fracture::ClusterMesh& clusters = {});
 
 // Farthest-point sampling: up to `count` of the vertices, each the farthest from those before it and from `given`.
 // Considers fewer than 8,192 vertices, evenly strided. Fewer points where fewer distinct vertices exist.

@@ -19,6 +19,7 @@
 #include <glm/vec3.hpp>
 
 #include "fracture/base/error.h"
+#include "fracture/local/cluster_mesh.h"
 #include "fracture/mesh/mesh.h"
 #include "fracture/pieces/fragments.h"
 #include "fracture/settings.h"
@@ -46,10 +47,13 @@ struct SolidSettings {
 };
 
 struct SolidPiece {
-    fracture::TriangleMesh mesh{};      // closed; an unbreakable piece keeps its triangles and drops its positions
-    uint32_t exterior_triangles = 0;    // the leading triangles, which lie on the surface of the unbroken object
-    std::vector<uint32_t> source{};     // by exterior triangle: the triangle of the unbroken object that holds it
-    std::vector<uint32_t> cut{};        // by interior triangle: a number that all triangles of one cut share
+    fracture::TriangleMesh mesh{};   // closed; an unbreakable piece keeps its triangles and drops its positions
+    uint32_t exterior_triangles = 0; // the leading triangles, which lie on the surface of the unbroken object
+    std::vector<uint32_t> source{};  // by exterior triangle: the triangle of the unbroken object that holds it
+    std::vector<uint32_t> cut{};     // by interior triangle: a number that all triangles of one cut share
+    // The same triangles, tagged (solid_maker.h), so that a blow costs what it breaks; only of large, breakable solids
+    // of one surface.
+    fracture::ClusterMesh clusters{};
     std::vector<glm::vec3> positions{}; // of the vertices, relative to the centre of mass, for drawing
     fracture::MassProperties mass{};    // at density 1
     BodyMass body{};                    // kg

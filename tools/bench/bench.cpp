@@ -7,6 +7,7 @@
 // world/...                        steps of the world: world.h
 // certify/..., check/...           the certificate of a result; the check that every fracture makes, and the full check
 // impact/..., cycles/...           destruction at runtime: impacts.h
+// blow/...                         the cuts of blows: blows.h
 //
 // Times are medians over the iterations, in milliseconds: `median`, and one counter a phase. `MB` is the size of input
 // plus output, `memcpy` the time by that of copying as many bytes, `allocs` the allocations of one fracture in the
@@ -31,6 +32,7 @@
 #include "fracture/mesh/topology.h"
 #include "fracture/shapes/shapes.h"
 #include "fracture/sites/sites.h"
+#include "tools/bench/blows.h"
 #include "tools/bench/broken_bunny.h"
 #include "tools/bench/impacts.h"
 #include "tools/bench/memory_meter.h"
@@ -279,6 +281,7 @@ void add_all() {
 int main(int argc, char** argv) {
     brittle::tools::add_all();
     brittle::tools::add_impact_benchmarks();
+    brittle::tools::add_blow_benchmarks();
     brittle::tools::add_world_benchmarks();
     brittle::tools::add_scene_benchmarks();
     benchmark::Initialize(&argc, argv);

@@ -15,6 +15,7 @@
 #include "fracture/fracture.h"
 #include "fracture/mesh/intersections.h"
 #include "fracture/pieces/certificate.h"
+#include "tools/stress/check_local.h"
 #include "tools/stress/check_union.h"
 
 namespace brittle::stress {
@@ -368,6 +369,7 @@ std::string complaint(const Case& c) {
     const Result<Fragments> again = run(threads);
     if (std::string wrong = group_complaint(c, f); !wrong.empty()) return wrong;
     if (!again || hash(*again) != hash(f)) return "differs with " + std::to_string(threads) + " threads";
+    if (std::string wrong = local_complaint(c); !wrong.empty()) return wrong;
     if (c.generic && c.mesh.triangles.size() * c.sites.size() <= max_sequential_work)
         if (std::string wrong = difference_from_sequential(c, f); !wrong.empty()) return wrong;
     // Rounding decides what thin and tangled meshes become when they are bent.

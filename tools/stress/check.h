@@ -16,6 +16,7 @@ namespace brittle::stress {
 //  - before pieces merge, vertices lie in the cell of their piece's site, up to rounding;
 //  - a run with another number of threads gives an equal hash;
 //  - with rough cuts pieces are closed, volumes and caps agree, and no piece of a simple mesh crosses itself uncounted;
+//  - the cut of a small part agrees with that of the whole (check_local.h);
 //  - in generic cases of moderate cost, `sequential` fills the same cells, with equal volumes and numbers of islands.
 [[nodiscard]] std::string complaint(const Case& c);
 

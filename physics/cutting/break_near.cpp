@@ -1,0 +1,183 @@
+#include "physics/cutting/break_near.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include <glm/geometric.hpp>
+
+#include "fracture/base/threads.h"
+#include "fracture/local/local_cut.h"
+#include "fracture/pieces/merge.h"
+#include "physics/cutting/polytope.h"
+#include "physics/cutting/remaining_parts.h"
+#include "physics/cutting/solid_maker.h"
+
+namespace brittle::physics {
+
+namespace {
+
+using fracture::Fragments;
+using fracture::LocalCut;
+using fracture::Piece;
+
+// The limit of hulls of a solid that keeps them from blow to blow. Beyond it the whole solid is cut, and gets new ones.
+constexpr size_t max_kept_parts = 120;
+// Hulls of what remains below this share of the minimum volume of a piece, or of the solid, are left out.
+constexpr double min_part = 0.02, min_part_of_solid = 1e-4;
+
+// A plane that has all of the points on its far side, seen from `from`.
+HullPlane side_of(std::span<const glm::dvec3> points, const glm::dvec3& centre, const glm::dvec3& from) {
+    const glm::dvec3 way = centre - from;
+    HullPlane plane{glm::length(way) > 0.0 ? glm::normalize(way) : glm::dvec3(0.0, 1.0, 0.0),
+                    std::numeric_limits<double>::infinity()};
+    for (const glm::dvec3& p : points) plane.distance = std::min(plane.distance, glm::dot(plane.normal, p));
+    return plane;
+}
+
+class NearBreak {
+  public:
+    NearBreak(const SolidPiece& solid, std::span<const glm::dvec3> sites, std::span<const uint32_t> groups,
+              const SolidSettings& settings, const std::function<bool()>& cancelled, LocalCut&& cut)
+        : solid_(solid), sites_(sites), groups_(groups), rest_(*std::ranges::max_element(groups)), settings_(settings),
+          cancelled_(cancelled), cut_(std::move(cut)) {}
+
+    std::optional<std::vector<SolidPtr>> run() {
+        Fragments& cells = cut_.cells;
+        goes_to_ = fracture::choose_mergers(cells, {groups_, cube(settings_.min_size), {}});
+        parts_ = parts_of_cells(cells, settings_.parts);
+        for (const Piece& cell : cells.pieces) {
+            centres_.push_back(cell.mass.centre_of_mass);
+            sites_of_cells_.push_back(cell.site);
+        }
+        bound_cells();
+        if (cancelled_ && cancelled_()) return std::nullopt;
+        fracture::Threads threads(settings_.threads);
+        fracture::merge_pieces(cells, goes_to_, threads);
+
+        const CutTags tags(cells, cut_.tags(), solid_);
+        SolidPiece remains;
+        if (!make_remains(tags, remains)) return std::nullopt;
+        std::vector<SolidPtr> pieces;
+        std::optional<size_t> place; // of the remains among the pieces
+        for_pieces([&](const Piece& piece, uint32_t first_cell) {
+            const bool is_open = cut_.is_open(piece);
+            SolidPiece closed;
+            if (!is_open) closed = solid_from(cells, piece, tags, settings_, cancelled_);
+            for_cells(first_cell,
+                      [&](uint32_t cell) { add_parts(parts_[cell], centres_[cell], is_open ? remains : closed); });
+            if (!is_open)
+                pieces.push_back(shared(std::move(closed)));
+            else if (!place)
+                place = pieces.size();
+        });
+        if (!place || remains.parts.empty() || remains.parts.size() > max_kept_parts) return std::nullopt;
+        pieces.insert(pieces.begin() + static_cast<ptrdiff_t>(*place), shared(std::move(remains)));
+        return pieces;
+    }
+
+  private:
+    static SolidPtr shared(SolidPiece&& piece) {
+        if (!piece.breakable) {
+            piece.mesh.positions = {};
+            piece.clusters = {};
+        }
+        return std::make_shared<const SolidPiece>(std::move(piece));
+    }
+
+    // Calls act(piece, its first cell) for each merged piece.
+    template<class Act>
+    void for_pieces(Act&& act) const {
+        uint32_t index = 0;
+        for (uint32_t cell = 0; cell < goes_to_.size(); ++cell)
+            if (goes_to_[cell] == cell) act(cut_.cells.pieces[index++], cell);
+    }
+    // Calls act(cell) for each cell of a merged piece.
+    template<class Act>
+    void for_cells(uint32_t first_cell, Act&& act) const {
+        for (uint32_t cell = 0; cell < goes_to_.size(); ++cell)
+            if (goes_to_[cell] == first_cell) act(cell);
+    }
+
+    [[nodiscard]] std::vector<HullPlane>& planes_of(uint32_t site) {
+        return planes_[static_cast<size_t>(std::ranges::lower_bound(cut_.near_sites(), site)
+                                           - cut_.near_sites().begin())];
+    }
+
+    // Finds the planes of the cells. Where two cells are in contact, that is the mean plane of the contact, along which
+    // the hulls of both are cut; it differs from the bisector where cuts are rough.
+    void bound_cells() {
+        std::vector<glm::dvec3> near;
+        for (const uint32_t site : cut_.near_sites()) near.push_back(sites_[site]);
+        for (uint32_t site = 0; site < near.size(); ++site) planes_.push_back(cell_planes(near, site));
+        const Fragments& cells = cut_.cells;
+        if (cells.rough_triangles == 0) return;
+        for (const fracture::Bond& bond : cells.bonds) {
+            const uint32_t a = cells.pieces[bond.a].site, b = cells.pieces[bond.b].site;
+            if (a == b || !(bond.area > 0.0)) continue;
+            const double distance = glm::dot(bond.normal, bond.centroid);
+            const auto exchange = [&](uint32_t site, uint32_t other, const HullPlane& plane) {
+                const glm::dvec3 bisector = glm::normalize(sites_[other] - sites_[site]);
+                for (HullPlane& known : planes_of(site))
+                    if (known.normal == bisector) known = plane;
+            };
+            exchange(a, b, {bond.normal, distance});
+            exchange(b, a, {-bond.normal, -distance});
+        }
+    }
+
+    // What remains of the solid, with its hulls. Returns false where it is not one connected solid.
+    bool make_remains(const CutTags& tags, SolidPiece& remains) {
+        auto left = cut_.rest(solid_.mass, [&](uint32_t t, bool exterior) { return tags.of(t, exterior); });
+        if (!left) return false;
+        remains.mass = left->mass;
+        std::vector<uint32_t> of_triangles;
+        fracture::TriangleMesh mesh = left->mesh.flatten(&of_triangles);
+        set_surface(remains, std::move(mesh), of_triangles);
+        remains.clusters = std::move(left->mesh);
+        finish(remains, settings_);
+        add_blocks(remains, settings_, cancelled_);
+
+        // A crumb of the rest, which nothing holds any more, takes its side of the cell.
+        for_pieces([&](const Piece& crumb, uint32_t first_cell) {
+            if (groups_[crumb.site] != rest_ || cut_.is_open(crumb)) return;
+            const HullPlane side =
+                side_of(cut_.cells.positions_of(crumb), crumb.mass.centre_of_mass, remains.mass.centre_of_mass);
+            for_cells(first_cell, [&](uint32_t cell) { planes_of(sites_of_cells_[cell]).push_back(side); });
+        });
+        std::vector<uint8_t> lost;
+        for (const uint32_t site : cut_.near_sites()) lost.push_back(groups_[site] != rest_ ? 1 : 0);
+        const double least = std::max(min_part * cube(settings_.min_size), min_part_of_solid * solid_.mass.volume);
+        remains.parts = remaining_parts(solid_.parts, solid_.mass.centre_of_mass, solid_.clusters, {planes_, lost},
+                                        least, remains.mass.centre_of_mass, settings_.parts.hull);
+        return true;
+    }
+
+    const SolidPiece& solid_;
+    std::span<const glm::dvec3> sites_;
+    std::span<const uint32_t> groups_; // by site
+    uint32_t rest_;                    // the group of the cells that stay together
+    const SolidSettings& settings_;
+    const std::function<bool()>& cancelled_;
+    LocalCut cut_;
+    // By cell of the cut.
+    std::vector<uint32_t> goes_to_;
+    std::vector<std::vector<BodyPart>> parts_;
+    std::vector<glm::dvec3> centres_;
+    std::vector<uint32_t> sites_of_cells_;
+    std::vector<std::vector<HullPlane>> planes_; // by near site: what bounds its cell
+};
+
+} // namespace
+
+std::optional<std::vector<SolidPtr>> break_near(const SolidPiece& solid, std::span<const glm::dvec3> sites,
+                                                std::span<const uint32_t> groups, const fracture::Roughness& rough,
+                                                const SolidSettings& settings, const std::function<bool()>& cancelled) {
+    if (solid.clusters.triangle_count() == 0 || groups.empty()) return std::nullopt;
+    std::optional<LocalCut> cut = LocalCut::make(solid.clusters, sites, groups, *std::ranges::max_element(groups),
+                                                 {.threads = settings.threads, .rough = rough, .cancelled = cancelled});
+    if (!cut) return std::nullopt;
+    return NearBreak(solid, sites, groups, settings, cancelled, *std::move(cut)).run();
+}
+
+} // namespace brittle::physics

@@ -1,0 +1,160 @@
+#include "fracture/local/cluster_mesh.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <vector>
+
+#include <doctest/doctest.h>
+#include <glm/geometric.hpp>
+
+#include "fracture/base/random.h"
+#include "fracture/local/cluster_queries.h"
+#include "fracture/mesh/islands.h"
+#include "fracture/mesh/nearest.h"
+#include "fracture/mesh/topology.h"
+#include "fracture/mesh/triangle_tree.h"
+#include "fracture/shapes/shapes.h"
+
+using namespace brittle::fracture;
+
+namespace {
+
+ClusterMesh clusters_of(const TriangleMesh& mesh, uint32_t thread_count = 1) {
+    std::vector<uint32_t> tags(mesh.triangles.size());
+    std::iota(tags.begin(), tags.end(), 0u);
+    Threads threads(thread_count);
+    return {mesh, tags, threads};
+}
+
+std::vector<TriangleMesh> shapes() {
+    return {cube(), icosphere(4), torus(60, 40), four_legged_animal(48), hollow_sphere(3)};
+}
+
+glm::dvec3 place_near(const Box& box, Random& random) {
+    const double x = random.uniform(), y = random.uniform(), z = random.uniform();
+    return box.min + (1.4 * glm::dvec3(x, y, z) - 0.2) * box.size();
+}
+
+} // namespace
+
+TEST_CASE("cluster mesh: an empty mesh has no clusters and answers every question") {
+    const ClusterMesh empty = clusters_of({});
+    CHECK(empty.triangle_count() == 0);
+    CHECK(empty.flatten().triangles.empty());
+    CHECK(empty.is_connected());
+    CHECK_FALSE(is_inside(empty, glm::dvec3(0.0)));
+    CHECK_FALSE(first_hit(empty, glm::dvec3(0.0), glm::dvec3(1.0)).has_value());
+    CHECK(nearest_on(empty, glm::dvec3(1.0)) == glm::dvec3(1.0));
+    CHECK(farthest_from(empty, glm::dvec3(1.0)) == 0.0);
+    CHECK(empty.with({}, {}).triangle_count() == 0);
+}
+
+TEST_CASE("cluster mesh: the flat mesh has each triangle once, with its tag, whatever the number of threads") {
+    for (const TriangleMesh& mesh : shapes()) {
+        const ClusterMesh clusters = clusters_of(mesh);
+        CHECK(clusters.triangle_count() == mesh.triangles.size());
+        uint32_t counted = 0, number = 0;
+        clusters.for_each([&](const ClusterPtr& cluster) {
+            ++number;
+            counted += static_cast<uint32_t>(cluster->triangles.size());
+            CHECK(cluster->triangles.size() <= Cluster::max_triangles);
+            CHECK(cluster->positions.size() <= 256);
+            for (const glm::dvec3& p : cluster->positions) CHECK(overlap({p, p}, cluster->box));
+        });
+        CHECK(counted == mesh.triangles.size());
+        CHECK(number == clusters.cluster_count());
+        std::vector<uint32_t> tags;
+        const TriangleMesh flat = clusters.flatten(&tags);
+        REQUIRE(flat.triangles.size() == mesh.triangles.size());
+        CHECK(flat.positions.size() == mesh.positions.size());
+        std::vector<uint32_t> sorted = tags;
+        std::ranges::sort(sorted);
+        for (uint32_t t = 0; t < sorted.size(); ++t) REQUIRE(sorted[t] == t);
+        for (size_t t = 0; t < tags.size(); ++t)
+            for (int k = 0; k < 3; ++k)
+                REQUIRE(flat.positions[flat.triangles[t][k]] == mesh.positions[mesh.triangles[tags[t]][k]]);
+        for (const uint32_t threads : {2u, 7u}) {
+            const TriangleMesh again = clusters_of(mesh, threads).flatten();
+            CHECK(again.positions == flat.positions);
+            CHECK(again.triangles == flat.triangles);
+        }
+    }
+}
+
+TEST_CASE("cluster mesh: a large mesh divided by several threads has the clusters of one thread") {
+    const TriangleMesh mesh = icosphere(6);
+    const TriangleMesh one = clusters_of(mesh, 1).flatten();
+    for (const uint32_t threads : {2u, 3u, 8u}) CHECK(clusters_of(mesh, threads).flatten().triangles == one.triangles);
+}
+
+TEST_CASE("cluster mesh: exchanged clusters leave the others shared, and nothing of the mesh before changes") {
+    const TriangleMesh mesh = icosphere(5);
+    const ClusterMesh before = clusters_of(mesh);
+    const Box corner{glm::dvec3(0.2), glm::dvec3(2.0)};
+    ClusterSet opened;
+    FaceList faces;
+    before.visit(corner, [&](const ClusterPtr& cluster) {
+        opened.insert(cluster.get());
+        for (size_t k = 0; k < cluster->triangles.size(); ++k) {
+            for (const uint8_t v : cluster->triangles[k]) {
+                faces.positions.push_back(cluster->positions[v]);
+                faces.vertices.push_back(cluster->vertices[v]);
+            }
+            const auto last = static_cast<uint32_t>(faces.positions.size());
+            faces.triangles.emplace_back(last - 3, last - 2, last - 1);
+            faces.tags.push_back(cluster->tags[k] + 1'000'000);
+        }
+    });
+    REQUIRE(!opened.empty());
+    REQUIRE(opened.size() < before.cluster_count());
+    const ClusterMesh after = before.with(opened, faces);
+    CHECK(after.triangle_count() == before.triangle_count());
+    uint32_t shared = 0;
+    after.for_each([&](const ClusterPtr& cluster) {
+        CHECK_FALSE(opened.contains(cluster.get()));
+        before.visit(cluster->box, [&](const ClusterPtr& old) { shared += old == cluster ? 1 : 0; });
+    });
+    CHECK(shared == before.cluster_count() - opened.size());
+    const TriangleMesh flat = after.flatten();
+    CHECK(check_topology(flat.positions.size(), flat.triangles).manifold());
+    CHECK(before.flatten().triangles == clusters_of(mesh).flatten().triangles);
+    CHECK(after.box().min == before.box().min);
+    CHECK(after.with(opened, {}).triangle_count() == after.triangle_count()); // they are gone already
+}
+
+TEST_CASE("cluster mesh: two solids apart are not connected, a solid with a cavity is not either") {
+    CHECK(clusters_of(icosphere(4)).is_connected());
+    CHECK(clusters_of(torus(60, 40)).is_connected());
+    CHECK_FALSE(clusters_of(hollow_sphere(3)).is_connected());
+}
+
+TEST_CASE("cluster queries: inside, nearest point, hits and extents agree with those of the whole mesh") {
+    Random random(7);
+    for (const TriangleMesh& mesh : shapes()) {
+        const ClusterMesh clusters = clusters_of(mesh);
+        const Box box = bounds(mesh);
+        std::vector<uint32_t> all(mesh.triangles.size());
+        std::iota(all.begin(), all.end(), 0u);
+        const TriangleTree tree(mesh, all);
+        for (int k = 0; k < 60; ++k) {
+            const glm::dvec3 p = place_near(box, random), q = place_near(box, random);
+            CHECK(is_inside(clusters, p) == (winding_number(p, mesh.positions, mesh.triangles) > 0.5));
+            const glm::dvec3 nearest = nearest_on(mesh, p);
+            CHECK(glm::distance(nearest_on(clusters, p), p) == doctest::Approx(glm::distance(nearest, p)));
+            const auto hit = first_hit(clusters, p, q);
+            const auto expected = tree.first_hit(p, q - p, no_index);
+            const bool hits = expected.has_value() && *expected <= 1.0;
+            REQUIRE(hit.has_value() == hits);
+            if (hits) CHECK(*hit == doctest::Approx(*expected));
+            double along = -1e300, from = 0.0;
+            for (const glm::dvec3& v : mesh.positions) {
+                along = std::max(along, glm::dot(v - p, q));
+                from = std::max(from, glm::distance(v, p));
+            }
+            CHECK(farthest_along(clusters, p, q) == along);
+            CHECK(farthest_from(clusters, p) == from);
+        }
+    }
+}

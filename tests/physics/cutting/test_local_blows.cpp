@@ -1,0 +1,179 @@
+// Blows to large solids, of which only the part that a blow reaches is cut.
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <numbers>
+#include <vector>
+
+#include <doctest/doctest.h>
+#include <glm/geometric.hpp>
+
+#include "fracture/base/random.h"
+#include "fracture/mesh/inside.h"
+#include "fracture/mesh/topology.h"
+#include "fracture/shapes/shapes.h"
+#include "physics/cutting/impact_pattern.h"
+#include "physics/cutting/polytope.h"
+#include "physics/cutting/solid_piece.h"
+#include "tests/physics/destruction_fixture.h"
+
+using namespace brittle;
+using namespace brittle::physics;
+
+namespace {
+
+SolidSettings settings() {
+    return {.material = material_preset("stone")->material, .min_size = 0.01};
+}
+
+SolidPtr solid_of(const fracture::TriangleMesh& mesh) {
+    const fracture::Result<SolidPtr> solid = make_solid(mesh, settings());
+    REQUIRE(solid.has_value());
+    return *solid;
+}
+
+// The solid without clusters, which is always cut as a whole.
+SolidPiece without_clusters(const SolidPiece& solid) {
+    SolidPiece copy = solid;
+    copy.clusters = {};
+    return copy;
+}
+
+ImpactSites sites_at(const SolidPiece& solid, const glm::dvec3& point, double radius, uint64_t seed) {
+    const Blow blow{point, glm::normalize(solid.mass.centre_of_mass - point), 1e3, 1e9};
+    return impact_sites(solid.mesh, solid.mass, blow, {radius, 9, false}, {.seed = seed}, solid.clusters);
+}
+
+const SolidPiece& largest(const std::vector<SolidPtr>& pieces) {
+    return **std::ranges::max_element(pieces, {}, [](const SolidPtr& piece) { return piece->mass.volume; });
+}
+
+} // namespace
+
+TEST_CASE("local blow: pieces have the order, volumes, masses and surfaces of a cut of the whole solid") {
+    for (const fracture::TriangleMesh& mesh : {fracture::icosphere(5), fracture::torus(160, 80)}) {
+        const SolidPtr solid = solid_of(mesh);
+        REQUIRE(solid->clusters.triangle_count() == mesh.triangles.size());
+        int local = 0;
+        for (uint64_t seed = 1; seed <= 6; ++seed) {
+            const glm::dvec3 point = mesh.positions[seed * 997 % mesh.positions.size()];
+            const ImpactSites sites = sites_at(*solid, point, 0.15, seed);
+            const auto near = break_solid(*solid, sites.sites, sites.groups, settings());
+            const auto whole = break_solid(without_clusters(*solid), sites.sites, sites.groups, settings());
+            REQUIRE(near.has_value());
+            REQUIRE(whole.has_value());
+            REQUIRE(near->size() == whole->size());
+            local += largest(*near).parts.size() != largest(*whole).parts.size() ? 1 : 0;
+            for (size_t k = 0; k < near->size(); ++k) {
+                const SolidPiece &a = *(*near)[k], &b = *(*whole)[k];
+                CHECK(a.mass.volume == doctest::Approx(b.mass.volume).epsilon(1e-9));
+                CHECK(a.mass.area == doctest::Approx(b.mass.area).epsilon(1e-9));
+                CHECK(glm::distance(a.mass.centre_of_mass, b.mass.centre_of_mass) < 1e-9);
+                CHECK(a.body.mass == doctest::Approx(b.body.mass));
+                CHECK(a.bearable == doctest::Approx(b.bearable));
+                CHECK(a.radius == doctest::Approx(b.radius));
+                CHECK(a.breakable == b.breakable);
+                CHECK(a.exterior_triangles + a.cut.size() == a.mesh.triangles.size());
+                CHECK(a.source.size() == a.exterior_triangles);
+                const fracture::TopologyReport report = fracture::check_topology(a.positions.size(), a.mesh.triangles);
+                CHECK(fracture::describe(report) == "");
+                if (a.mesh.positions.empty()) continue;
+                for (uint32_t t = 0; t < a.exterior_triangles; ++t) // on the triangle that it came from
+                    for (int c = 0; c < 3; ++c) {
+                        const fracture::Triangle& source = mesh.triangles[a.source[t]];
+                        const glm::dvec3& corner = mesh.positions[source.x];
+                        const glm::dvec3 normal = glm::normalize(
+                            glm::cross(mesh.positions[source.y] - corner, mesh.positions[source.z] - corner));
+                        REQUIRE(std::abs(glm::dot(a.mesh.positions[a.mesh.triangles[t][c]] - corner, normal)) < 1e-9);
+                    }
+            }
+        }
+        CHECK(local >= 4);
+    }
+}
+
+TEST_CASE("local blow: hulls of what remains stay inside the hulls before, out of the lost cells, and fill the solid") {
+    const fracture::TriangleMesh mesh = fracture::torus(160, 80);
+    SolidPtr solid = solid_of(mesh);
+    fracture::Random random(4);
+    for (uint64_t seed = 1; seed <= 5; ++seed) {
+        const glm::dvec3 point = solid->mesh.positions[seed * 3331 % solid->mesh.positions.size()];
+        const ImpactSites sites = sites_at(*solid, point, 0.2, seed);
+        const auto pieces = break_solid(*solid, sites.sites, sites.groups, settings());
+        REQUIRE(pieces.has_value());
+        REQUIRE(pieces->size() > 1);
+        const SolidPiece& rest = largest(*pieces);
+        REQUIRE(rest.clusters.triangle_count() == rest.mesh.triangles.size());
+        // No point of a hull of the rest lies deeper than a margin in the cell of a piece that left.
+        for (const BodyPart& part : rest.parts)
+            for (const glm::vec3& p : part.hull->points) {
+                const glm::dvec3 at = rest.mass.centre_of_mass + glm::dvec3(part.offset + p);
+                size_t nearest = 0;
+                for (size_t k = 1; k < sites.sites.size(); ++k)
+                    if (glm::distance(at, sites.sites[k]) < glm::distance(at, sites.sites[nearest])) nearest = k;
+                CHECK(sites.groups[nearest] == sites.rest);
+            }
+        // The hulls hold most of the solid, and little else.
+        const fracture::InsideTest inside(rest.mesh);
+        const fracture::Box box = fracture::bounds(rest.mesh);
+        std::vector<Polytope> hulls;
+        for (const BodyPart& part : rest.parts)
+            hulls.push_back(Polytope::around(*part.hull, static_cast<double>(part.hull->margin),
+                                             rest.mass.centre_of_mass + glm::dvec3(part.offset)));
+        int solid_points = 0, held = 0, air = 0;
+        for (int k = 0; k < 4000; ++k) {
+            const double x = random.uniform(), y = random.uniform(), z = random.uniform();
+            const glm::dvec3 p = box.min + glm::dvec3(x, y, z) * box.size();
+            const bool in_hull = std::ranges::any_of(hulls, [&](const Polytope& hull) {
+                for (size_t f = 0; f < hull.face_count(); ++f) {
+                    const auto face = hull.face(f);
+                    if (glm::dot(glm::cross(face[1] - face[0], face[2] - face[0]), p - face[0]) > 0.0) return false;
+                }
+                return true;
+            });
+            solid_points += inside(p) ? 1 : 0;
+            held += inside(p) && in_hull ? 1 : 0;
+            air += !inside(p) && in_hull ? 1 : 0;
+        }
+        CHECK(held > 0.9 * solid_points);
+        CHECK(air < 0.25 * solid_points);
+        for (const SolidPtr& piece : *pieces)
+            if (piece.get() == &rest) {
+                solid = piece;
+                break;
+            }
+    }
+}
+
+TEST_CASE("local blow: pieces of flat and rough blows, one after the other, do not push apart at birth") {
+    for (const double amount : {0.0, 0.3, 0.8}) {
+        CAPTURE(amount);
+        World world(
+            {.gravity = glm::vec3(0.0f), .ground_height = std::nullopt, .air_density = 0.0f, .sleeping = false});
+        Destruction destruction({.latency = 1});
+        BreakableDesc desc = test_destruction::desc_of(0.02);
+        desc.solid.rough.amount = amount;
+        const fracture::TriangleMesh mesh = fracture::torus(160, 80);
+        (void)test_destruction::must_add(destruction, world, mesh, desc);
+        for (size_t blow = 0; blow < 4; ++blow) {
+            PieceId largest = destruction.pieces()[0];
+            for (const PieceId piece : destruction.pieces())
+                if (destruction.solid(piece)->mass.volume > destruction.solid(largest)->mass.volume) largest = piece;
+            const SolidPtr solid = destruction.solid(largest);
+            REQUIRE(solid->clusters.triangle_count() > 0);
+            const glm::vec3 at = solid->positions[(blow + 1) * 2711 % solid->positions.size()];
+            const glm::vec3 centre = world.pose(destruction.body(largest)).position;
+            const size_t before = destruction.pieces().size();
+            destruction.strike(world, largest, centre + at, -glm::normalize(at), 300.0);
+            test_destruction::run(world, destruction, 10);
+            CHECK(destruction.pieces().size() > before + 2);
+        }
+        test_destruction::run(world, destruction, 120);
+        float fastest = 0.0f;
+        for (const PieceId piece : destruction.pieces())
+            fastest = std::max(fastest, glm::length(world.linear_velocity(destruction.body(piece))));
+        CHECK(fastest < 0.005f);
+        CHECK(test_destruction::volume_of(destruction)
+              == doctest::Approx(fracture::mass_properties(mesh.positions, mesh.triangles).volume).epsilon(1e-9));
+    }
+}
