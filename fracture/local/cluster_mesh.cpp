@@ -4,12 +4,15 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numeric>
+#include <set>
 #include <utility>
 
 #include <glm/common.hpp>
 
 #include "fracture/base/union_find.h"
+#include "fracture/local/face_collector.h"
 #include "fracture/local/number_table.h"
 
 namespace brittle::fracture {
@@ -205,22 +208,67 @@ ClusterMesh ClusterMesh::with(const ClusterSet& without_these, const FaceList& f
     return changed;
 }
 
-bool ClusterMesh::is_connected() const {
+// By vertex number: the lowest number of its component.
+std::vector<uint32_t> ClusterMesh::components() const {
     std::vector<uint32_t> parent(vertex_limit_);
     std::iota(parent.begin(), parent.end(), 0u);
-    uint32_t some = no_index;
     for_each([&](const ClusterPtr& cluster) {
         for (const auto& [a, b, c] : cluster->triangles) {
             unite(parent, cluster->vertices[a], cluster->vertices[b]);
             unite(parent, cluster->vertices[a], cluster->vertices[c]);
         }
-        some = cluster->vertices[0];
     });
+    for (uint32_t v = 0; v < parent.size(); ++v) parent[v] = root_of(parent, v);
+    return parent;
+}
+
+bool ClusterMesh::is_connected() const {
+    const std::vector<uint32_t> component = components();
+    uint32_t some = no_index;
     bool connected = true;
     for_each([&](const ClusterPtr& cluster) {
-        for (const uint32_t v : cluster->vertices) connected = connected && root_of(parent, v) == root_of(parent, some);
+        if (some == no_index) some = component[cluster->vertices[0]];
+        for (const uint32_t v : cluster->vertices) connected = connected && component[v] == some;
     });
     return connected;
+}
+
+std::vector<ClusterMesh> ClusterMesh::parts() const {
+    const std::vector<uint32_t> component = components();
+    std::map<uint32_t, uint32_t> sizes; // triangles by component
+    for_each([&](const ClusterPtr& cluster) {
+        for (const auto& corners : cluster->triangles) ++sizes[component[cluster->vertices[corners[0]]]];
+    });
+    if (sizes.size() < 2) return {*this};
+    const uint32_t largest = std::ranges::max_element(sizes, {}, [](const auto& entry) { return entry.second; })->first;
+    // The triangles of all but the largest part, and those of it that share a cluster with one of them.
+    struct Part {
+        FaceList faces;
+        NumberTable numbers;
+        FaceCollector collector{faces, numbers};
+    };
+    std::map<uint32_t, Part> others;
+    ClusterSet opened;
+    for_each([&](const ClusterPtr& cluster) {
+        const auto of = [&](size_t k) { return component[cluster->vertices[cluster->triangles[k][0]]]; };
+        bool is_largest = true;
+        for (size_t k = 0; k < cluster->triangles.size(); ++k) is_largest = is_largest && of(k) == largest;
+        if (is_largest) return;
+        opened.insert(cluster.get());
+        std::set<uint32_t> begun;
+        for (size_t k = 0; k < cluster->triangles.size(); ++k) {
+            FaceCollector& collector = others[of(k)].collector;
+            if (begun.insert(of(k)).second) collector.open(*cluster);
+            collector.add(k);
+        }
+    });
+    std::vector<ClusterMesh> parts{with(opened, others[largest].faces)};
+    for (const auto& [number, triangles] : sizes) {
+        if (number == largest) continue;
+        parts.push_back(ClusterMesh().with({}, others[number].faces));
+        parts.back().vertex_limit_ = vertex_limit_;
+    }
+    return parts;
 }
 
 TriangleMesh ClusterMesh::flatten(std::vector<uint32_t>* tags) const {

@@ -86,6 +86,9 @@ class ClusterMesh {
 
     // Returns whether all triangles hang together over common vertices. Linear in the number of triangles.
     [[nodiscard]] bool is_connected() const;
+    // The parts that hang together, the one of the most triangles first; it shares its clusters with this mesh. Linear
+    // in the number of triangles.
+    [[nodiscard]] std::vector<ClusterMesh> parts() const;
     // The mesh with dense indices. Unless null, `tags` receives the tags of the triangles.
     [[nodiscard]] TriangleMesh flatten(std::vector<uint32_t>* tags = nullptr) const;
 
@@ -110,6 +113,7 @@ class ClusterMesh {
         visit(*node.low, may_matter, act);
         visit(*node.high, may_matter, act);
     }
+    [[nodiscard]] std::vector<uint32_t> components() const;
     [[nodiscard]] static NodePtr leaf(ClusterPtr cluster);
     [[nodiscard]] static NodePtr above(NodePtr low, NodePtr high); // either may be null
     [[nodiscard]] static NodePtr tree_of(std::span<const ClusterPtr> clusters);

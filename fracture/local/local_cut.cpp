@@ -16,6 +16,7 @@
 #include "fracture/exact/exact.h"
 #include "fracture/exact/voronoi.h"
 #include "fracture/local/cluster_queries.h"
+#include "fracture/local/face_collector.h"
 #include "fracture/local/lids.h"
 #include "fracture/pieces/merge.h"
 #include "fracture/rough/rough.h"
@@ -81,40 +82,6 @@ std::vector<glm::dvec3> warped(std::span<const glm::dvec3> points, const rough::
     warp.apply(moved);
     return moved;
 }
-
-// Collects faces of one cluster after the other.
-class FaceCollector {
-  public:
-    FaceCollector(FaceList& faces, NumberTable& numbers) : faces_(faces), numbers_(numbers) {}
-
-    void open(const Cluster& cluster) {
-        cluster_ = &cluster;
-        local_.fill(no_index);
-    }
-    Triangle add(size_t k) {
-        Triangle triangle;
-        for (int c = 0; c < 3; ++c) triangle[c] = vertex(cluster_->triangles[k][static_cast<size_t>(c)]);
-        faces_.triangles.push_back(triangle);
-        faces_.tags.push_back(cluster_->tags[k]);
-        return triangle;
-    }
-
-  private:
-    uint32_t vertex(uint8_t v) {
-        if (local_[v] != no_index) return local_[v];
-        local_[v] = numbers_.add(cluster_->vertices[v]);
-        if (local_[v] == faces_.vertices.size()) {
-            faces_.vertices.push_back(cluster_->vertices[v]);
-            faces_.positions.push_back(cluster_->positions[v]);
-        }
-        return local_[v];
-    }
-
-    FaceList& faces_;
-    NumberTable& numbers_;
-    const Cluster* cluster_ = nullptr;
-    std::array<uint32_t, 256> local_{}; // by vertex of the cluster
-};
 
 uint64_t edge_key(uint32_t from, uint32_t to) {
     return uint64_t{from} << 32 | to;
@@ -309,8 +276,22 @@ std::optional<LocalCut> LocalCut::make(const ClusterMesh& mesh, std::span<const 
     return cut;
 }
 
-std::optional<LocalCut::Rest> LocalCut::rest(const MassProperties& before,
-                                             const std::function<uint32_t(uint32_t, bool)>& tag_of) const {
+// The parts of what remains. The mass of the largest is that of all less the others'.
+std::vector<LocalCut::Rest> LocalCut::separated(Rest all) {
+    std::vector<Rest> rests;
+    for (ClusterMesh& part : all.mesh.parts()) rests.push_back({std::move(part), {}});
+    rests[0].mass = all.mass;
+    for (size_t k = 1; k < rests.size(); ++k) {
+        const TriangleMesh flat = rests[k].mesh.flatten();
+        rests[k].mass = mass_properties(flat.positions, flat.triangles);
+        rests[0].mass = exchange_triangles(rests[0].mass, flat.positions, flat.triangles, {}, {});
+    }
+    if (!std::ranges::all_of(rests, [](const Rest& rest) { return rest.mass.volume > 0.0; })) return {};
+    return rests;
+}
+
+std::vector<LocalCut::Rest> LocalCut::rest(const MassProperties& before,
+                                           const std::function<uint32_t(uint32_t, bool)>& tag_of) const {
     FaceList faces = kept_;
     std::vector<uint32_t> at_border(border_size_, no_index); // indices in faces
     for (size_t v = 0; v < numbers_.size(); ++v)
@@ -348,8 +329,7 @@ std::optional<LocalCut::Rest> LocalCut::rest(const MassProperties& before,
                     border_edges_.contains(edge_key(faces.vertices[face[k]], faces.vertices[face[(k + 1) % 3]]));
         }
     }
-    if (border_edges != border_edges_.size()) return std::nullopt; // a cut of the rest has left a point on the border
-    ClusterMesh remains = mesh_.with(opened_, faces);
+    if (border_edges != border_edges_.size()) return {}; // a cut of the rest has left a point on the border
     // All that was not cut has an edge in common with the new triangles, so it is one surface if these are.
     std::vector<uint32_t> parent(faces.vertices.size());
     std::iota(parent.begin(), parent.end(), 0u);
@@ -360,10 +340,11 @@ std::optional<LocalCut::Rest> LocalCut::rest(const MassProperties& before,
     const auto root = [&](size_t t) { return root_of(parent, faces.triangles[t].x); };
     bool is_one = true;
     for (size_t t = first_new; t < faces.triangles.size(); ++t) is_one = is_one && root(t) == root(first_new);
-    if (!is_one && !remains.is_connected()) return std::nullopt;
     const auto added = std::span(faces.triangles).subspan(first_new);
-    return Rest{std::move(remains),
-                exchange_triangles(before, taken_.positions, taken_.triangles, faces.positions, added)};
+    Rest all{mesh_.with(opened_, faces),
+             exchange_triangles(before, taken_.positions, taken_.triangles, faces.positions, added)};
+    if (!is_one) return separated(std::move(all));
+    return {std::move(all)};
 }
 
 } // namespace brittle::fracture

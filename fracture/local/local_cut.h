@@ -3,7 +3,7 @@
 //     std::optional<LocalCut> cut = LocalCut::make(mesh, sites, groups, rest, settings);
 //     if (!cut) { ... }                         // cut the whole mesh instead
 //     merge_pieces(cut->cells, goes_to, threads);
-//     std::optional<ClusterMesh> remains = cut->rest(tag_of);
+//     for (const LocalCut::Rest& part : cut->rest(mass, tag_of)) ...
 //
 // Sites of one group, the rest, have cells that stay together. The cells of all other sites must lie in a small region.
 // Only the triangles near it are cut, closed to a solid by lids (lids.h); the pieces in the region are those of a cut of
@@ -50,13 +50,15 @@ class LocalCut {
         MassProperties mass;
     };
     // What remains of the mesh: the triangles that were not cut, and those of the open pieces of `cells` but for lids.
-    // tag_of(t, exterior) gives the tag of triangle t of `cells`; `before` is the mass of the mesh. Returns nothing where the
-    // remains are not one connected closed surface.
-    [[nodiscard]] std::optional<Rest> rest(const MassProperties& before,
-                                           const std::function<uint32_t(uint32_t, bool)>& tag_of) const;
+    // One mesh for each part that hangs together, the largest first. tag_of(t, exterior) gives the tag of triangle t of
+    // `cells`; `before` is the mass of the mesh. Returns nothing where the remains are not closed, or where a part is a
+    // cavity.
+    [[nodiscard]] std::vector<Rest> rest(const MassProperties& before,
+                                         const std::function<uint32_t(uint32_t, bool)>& tag_of) const;
 
   private:
     LocalCut() = default;
+    [[nodiscard]] static std::vector<Rest> separated(Rest all);
     [[nodiscard]] bool take_patch(const ClusterMesh& mesh, const Box& region, TriangleMesh& patch);
     [[nodiscard]] bool close_patch(const Box& region, TriangleMesh& patch);
     [[nodiscard]] bool cut_patch(const TriangleMesh& patch, const Box& region, std::span<const glm::dvec3> sites,

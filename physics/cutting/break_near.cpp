@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 
 #include "fracture/base/threads.h"
+#include "fracture/local/cluster_queries.h"
 #include "fracture/local/local_cut.h"
 #include "fracture/pieces/merge.h"
 #include "physics/cutting/polytope.h"
@@ -56,23 +57,26 @@ class NearBreak {
         fracture::merge_pieces(cells, goes_to_, threads);
 
         const CutTags tags(cells, cut_.tags(), solid_);
-        SolidPiece remains;
-        if (!make_remains(tags, remains)) return std::nullopt;
+        std::vector<SolidPiece> remains = remains_of(tags);
+        if (remains.empty()) return std::nullopt;
         std::vector<SolidPtr> pieces;
         std::optional<size_t> place; // of the remains among the pieces
         for_pieces([&](const Piece& piece, uint32_t first_cell) {
             const bool is_open = cut_.is_open(piece);
             SolidPiece closed;
             if (!is_open) closed = solid_from(cells, piece, tags, settings_, cancelled_);
-            for_cells(first_cell,
-                      [&](uint32_t cell) { add_parts(parts_[cell], centres_[cell], is_open ? remains : closed); });
+            for_cells(first_cell, [&](uint32_t cell) {
+                add_parts(parts_[cell], centres_[cell], is_open ? around(centres_[cell], remains) : closed);
+            });
             if (!is_open)
                 pieces.push_back(shared(std::move(closed)));
             else if (!place)
                 place = pieces.size();
         });
-        if (!place || remains.parts.empty() || remains.parts.size() > max_kept_parts) return std::nullopt;
-        pieces.insert(pieces.begin() + static_cast<ptrdiff_t>(*place), shared(std::move(remains)));
+        for (size_t k = 0; k < remains.size(); ++k) {
+            if (!place || remains[k].parts.empty() || remains[k].parts.size() > max_kept_parts) return std::nullopt;
+            pieces.insert(pieces.begin() + static_cast<ptrdiff_t>(*place + k), shared(std::move(remains[k])));
+        }
         return pieces;
     }
 
@@ -126,31 +130,45 @@ class NearBreak {
         }
     }
 
-    // What remains of the solid, with its hulls. Returns false where it is not one connected solid.
-    bool make_remains(const CutTags& tags, SolidPiece& remains) {
-        auto left = cut_.rest(solid_.mass, [&](uint32_t t, bool exterior) { return tags.of(t, exterior); });
-        if (!left) return false;
-        remains.mass = left->mass;
-        std::vector<uint32_t> of_triangles;
-        fracture::TriangleMesh mesh = left->mesh.flatten(&of_triangles);
-        set_surface(remains, std::move(mesh), of_triangles);
-        remains.clusters = std::move(left->mesh);
-        finish(remains, settings_);
-        add_blocks(remains, settings_, cancelled_);
-
-        // A crumb of the rest, which nothing holds any more, takes its side of the cell.
-        for_pieces([&](const Piece& crumb, uint32_t first_cell) {
-            if (groups_[crumb.site] != rest_ || cut_.is_open(crumb)) return;
-            const HullPlane side =
-                side_of(cut_.cells.positions_of(crumb), crumb.mass.centre_of_mass, remains.mass.centre_of_mass);
-            for_cells(first_cell, [&](uint32_t cell) { planes_of(sites_of_cells_[cell]).push_back(side); });
-        });
+    // What remains of the solid, with its hulls; the largest part first. Nothing where that needs a cut of the whole.
+    std::vector<SolidPiece> remains_of(const CutTags& tags) {
+        std::vector<LocalCut::Rest> left =
+            cut_.rest(solid_.mass, [&](uint32_t t, bool exterior) { return tags.of(t, exterior); });
         std::vector<uint8_t> lost;
         for (const uint32_t site : cut_.near_sites()) lost.push_back(groups_[site] != rest_ ? 1 : 0);
         const double least = std::max(min_part * cube(settings_.min_size), min_part_of_solid * solid_.mass.volume);
-        remains.parts = remaining_parts(solid_.parts, solid_.mass.centre_of_mass, solid_.clusters, {planes_, lost},
-                                        least, remains.mass.centre_of_mass, settings_.parts.hull);
-        return true;
+        if (!left.empty()) cut_off_crumbs(left[0].mass.centre_of_mass);
+        std::vector<SolidPiece> remains;
+        for (LocalCut::Rest& part : left) {
+            SolidPiece& solid = remains.emplace_back();
+            solid.mass = part.mass;
+            std::vector<uint32_t> of_triangles;
+            fracture::TriangleMesh mesh = part.mesh.flatten(&of_triangles);
+            set_surface(solid, std::move(mesh), of_triangles);
+            solid.clusters = std::move(part.mesh);
+            finish(solid, settings_);
+            add_blocks(solid, settings_, cancelled_);
+            // Inside of what remains, the surface of all remains is that of one part.
+            solid.parts = remaining_parts({solid_.parts, solid_.mass.centre_of_mass}, solid.clusters, left.size() > 1,
+                                          {planes_, lost}, least, solid.mass.centre_of_mass, settings_.parts.hull);
+        }
+        return remains;
+    }
+
+    // A crumb of the rest, which nothing holds any more, takes its side of the cell; `centre` is that of the rest.
+    void cut_off_crumbs(const glm::dvec3& centre) {
+        for_pieces([&](const Piece& crumb, uint32_t first_cell) {
+            if (groups_[crumb.site] != rest_ || cut_.is_open(crumb)) return;
+            const HullPlane side = side_of(cut_.cells.positions_of(crumb), crumb.mass.centre_of_mass, centre);
+            for_cells(first_cell, [&](uint32_t cell) { planes_of(sites_of_cells_[cell]).push_back(side); });
+        });
+    }
+
+    // The part of what remains that holds a point.
+    static SolidPiece& around(const glm::dvec3& point, std::vector<SolidPiece>& remains) {
+        for (SolidPiece& solid : remains)
+            if (remains.size() > 1 && fracture::is_inside(solid.clusters, point)) return solid;
+        return remains[0];
     }
 
     const SolidPiece& solid_;

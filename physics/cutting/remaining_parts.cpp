@@ -104,31 +104,52 @@ class Content {
 
 } // namespace
 
-std::vector<BodyPart> remaining_parts(std::span<const BodyPart> before, const glm::dvec3& origin_before,
-                                      const fracture::ClusterMesh& surface, const LostCells& cells, double least,
+namespace {
+
+enum class Holds { nothing, something, all };
+
+// How much of a hull's corners, pulled inwards, lies in the solid.
+Holds holds(const fracture::ClusterMesh& surface, const CollisionHull& hull, const glm::dvec3& place) {
+    glm::dvec3 middle(0.0);
+    for (const glm::vec3& p : hull.points) middle += glm::dvec3(p) / static_cast<double>(hull.points.size());
+    const auto is_held = [&](const glm::vec3& p) {
+        return fracture::is_inside(surface, place + glm::dvec3(p) + pull * (middle - glm::dvec3(p)));
+    };
+    const auto held = static_cast<size_t>(std::ranges::count_if(hull.points, is_held));
+    return held == 0 ? Holds::nothing : held < hull.points.size() ? Holds::something : Holds::all;
+}
+
+} // namespace
+
+std::vector<BodyPart> remaining_parts(const FormerParts& before, const fracture::ClusterMesh& surface,
+                                      bool is_one_of_many, const LostCells& cells, double least,
                                       const glm::dvec3& origin, const HullSettings& settings) {
     std::vector<BodyPart> parts;
-    for (const BodyPart& part : before) {
-        const glm::dvec3 place = origin_before + glm::dvec3(part.offset);
+    const auto add_content = [&](const Polytope& polytope) {
+        if (!(polytope.volume() > least)) return;
+        const std::vector<glm::dvec3> points = Content(surface, polytope).points();
+        if (points.size() < 4) return;
+        const glm::dvec3 centre = polytope.centre();
+        if (!(hull_volume(points, centre) > least)) return;
+        parts.push_back({std::make_shared<const CollisionHull>(collision_hull(points, centre, settings)),
+                         glm::vec3(centre - origin)});
+    };
+    for (const BodyPart& part : before.parts) {
+        const glm::dvec3 place = before.origin + glm::dvec3(part.offset);
         const Polytope whole = Polytope::around(*part.hull, static_cast<double>(part.hull->margin), place);
         bool is_reached = false;
         for (uint32_t site = 0; site < cells.planes.size() && !is_reached; ++site)
             is_reached = cells.lost[site] && clipped(whole, cells.planes[site]).volume() > 0.0;
-        if (!is_reached) {
-            parts.push_back({part.hull, glm::vec3(place - origin)});
+        if (is_reached) {
+            for (uint32_t site = 0; site < cells.planes.size(); ++site)
+                if (!cells.lost[site]) add_content(clipped(whole, cells.planes[site]));
             continue;
         }
-        for (uint32_t site = 0; site < cells.planes.size(); ++site) {
-            if (cells.lost[site]) continue;
-            const Polytope rest = clipped(whole, cells.planes[site]);
-            if (!(rest.volume() > least)) continue;
-            const std::vector<glm::dvec3> points = Content(surface, rest).points();
-            if (points.size() < 4) continue;
-            const glm::dvec3 centre = rest.centre();
-            if (!(hull_volume(points, centre) > least)) continue;
-            parts.push_back({std::make_shared<const CollisionHull>(collision_hull(points, centre, settings)),
-                             glm::vec3(centre - origin)});
-        }
+        const Holds held = is_one_of_many ? holds(surface, *part.hull, place) : Holds::all;
+        if (held == Holds::all)
+            parts.push_back({part.hull, glm::vec3(place - origin)});
+        else if (held == Holds::something)
+            add_content(whole);
     }
     return parts;
 }

@@ -24,11 +24,16 @@ struct LostCells {
     std::span<const uint8_t> lost{};                  // by site: 1 where the piece in its cell leaves the solid
 };
 
-// `before` are hulls relative to `origin_before`, `surface` is the solid that they belong to; the result is relative to
-// `origin`. Hulls of less than `least` m^3 are dropped.
-[[nodiscard]] std::vector<BodyPart> remaining_parts(std::span<const BodyPart> before, const glm::dvec3& origin_before,
-                                                    const fracture::ClusterMesh& surface, const LostCells& cells,
-                                                    double least, const glm::dvec3& origin,
-                                                    const HullSettings& settings = {});
+struct FormerParts {
+    std::span<const BodyPart> parts{};
+    glm::dvec3 origin{0.0}; // that they are relative to
+};
+
+// `surface` bounds what remains. Where several solids remain, each gets its parts by a call of its own: `is_one_of_many`
+// leaves out those with nothing of this one in them. Hulls of less than `least` m^3 are left out. The result is relative
+// to `origin`.
+[[nodiscard]] std::vector<BodyPart> remaining_parts(const FormerParts& before, const fracture::ClusterMesh& surface,
+                                                    bool is_one_of_many, const LostCells& cells, double least,
+                                                    const glm::dvec3& origin, const HullSettings& settings = {});
 
 } // namespace brittle::physics

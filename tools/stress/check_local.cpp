@@ -104,16 +104,20 @@ std::string local_complaint(const Case& c) {
             return "near the blow: a piece is not closed";
         taken += piece.mass.volume;
     }
-    const auto remains = cut->rest(before, [](uint32_t, bool) { return 0u; });
-    if (!remains) return {};
-    const TriangleMesh flat = remains->mesh.flatten();
-    if (!check_topology(flat.positions.size(), flat.triangles).closed())
-        return "near the blow: what remains is not closed";
-    const double left = signed_volume(flat.positions, flat.triangles);
+    const std::vector<LocalCut::Rest> remains = cut->rest(before, [](uint32_t, bool) { return 0u; });
+    if (remains.empty()) return {};
+    double left = 0.0;
+    for (const LocalCut::Rest& part : remains) {
+        const TriangleMesh flat = part.mesh.flatten();
+        if (!check_topology(flat.positions.size(), flat.triangles).closed())
+            return "near the blow: what remains is not closed";
+        const double volume = signed_volume(flat.positions, flat.triangles);
+        if (std::abs(volume - part.mass.volume) > rounding)
+            return mismatch("what remains has the volume", part.mass.volume, volume);
+        left += volume;
+    }
     if (std::abs(left + taken - before.volume) > rounding)
         return mismatch("all pieces have the volume", left + taken, before.volume);
-    if (std::abs(left - remains->mass.volume) > rounding)
-        return mismatch("what remains has the volume", remains->mass.volume, left);
     return {};
 }
 

@@ -128,6 +128,17 @@ TEST_CASE("cluster mesh: two solids apart are not connected, a solid with a cavi
     CHECK(clusters_of(icosphere(4)).is_connected());
     CHECK(clusters_of(torus(60, 40)).is_connected());
     CHECK_FALSE(clusters_of(hollow_sphere(3)).is_connected());
+    CHECK(clusters_of(icosphere(4)).parts().size() == 1);
+    const ClusterMesh both = clusters_of(hollow_sphere(3));
+    const std::vector<ClusterMesh> parts = both.parts();
+    REQUIRE(parts.size() == 2);
+    CHECK(parts[0].triangle_count() + parts[1].triangle_count() == both.triangle_count());
+    for (const ClusterMesh& part : parts) {
+        CHECK(part.is_connected());
+        CHECK(part.vertex_limit() == both.vertex_limit());
+        const TriangleMesh flat = part.flatten();
+        CHECK(check_topology(flat.positions.size(), flat.triangles).manifold());
+    }
 }
 
 TEST_CASE("cluster queries: inside, nearest point, hits and extents agree with those of the whole mesh") {

@@ -66,11 +66,11 @@ std::vector<double> volumes_of(const Fragments& fragments, const Blow& blow, con
 }
 
 // Cuts near the blow and as a whole, and compares. Returns what remains; nothing where only the whole can be cut.
-std::optional<ClusterMesh> compare(const ClusterMesh& clusters, const TriangleMesh& mesh, const Blow& blow,
-                                   double min_volume = 0.0, const Roughness& rough = {}) {
+std::vector<LocalCut::Rest> compare(const ClusterMesh& clusters, const TriangleMesh& mesh, const Blow& blow,
+                                    double min_volume = 0.0, const Roughness& rough = {}) {
     std::optional<LocalCut> cut =
         LocalCut::make(clusters, blow.sites, blow.groups, blow.rest, {.threads = 1, .rough = rough});
-    if (!cut) return std::nullopt;
+    if (!cut) return {};
     Threads threads(1);
     const MergeRules rules{blow.groups, min_volume, {}, {}};
     merge_pieces(cut->cells, choose_mergers(cut->cells, rules), threads);
@@ -94,18 +94,23 @@ std::optional<ClusterMesh> compare(const ClusterMesh& clusters, const TriangleMe
     const auto rest = cut->rest(before, [&](uint32_t t, bool exterior) {
         return exterior ? cut->tags()[cut->cells.triangle_source[t]] : 0x80000000u;
     });
-    if (!rest) return std::nullopt;
-    const TriangleMesh flat = rest->mesh.flatten();
-    CHECK(describe(check_topology(flat.positions.size(), flat.triangles)) == "");
-    const MassProperties mass = mass_properties(flat.positions, flat.triangles);
-    CHECK(mass.volume + taken == doctest::Approx(before.volume).epsilon(1e-12));
-    CHECK(rest->mass.volume == doctest::Approx(mass.volume).epsilon(1e-12));
-    CHECK(rest->mass.area == doctest::Approx(mass.area).epsilon(1e-10));
-    CHECK(glm::distance(rest->mass.centre_of_mass, mass.centre_of_mass) < 1e-10);
-    for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j)
-            CHECK(std::abs(rest->mass.inertia[i][j] - mass.inertia[i][j]) < 1e-10 * glm::length(mass.inertia[0]));
-    return rest->mesh;
+    if (rest.empty()) return {};
+    double left = 0.0;
+    for (const LocalCut::Rest& part : rest) {
+        const TriangleMesh flat = part.mesh.flatten();
+        CHECK(describe(check_topology(flat.positions.size(), flat.triangles)) == "");
+        CHECK(part.mesh.is_connected());
+        const MassProperties mass = mass_properties(flat.positions, flat.triangles);
+        left += mass.volume;
+        CHECK(part.mass.volume == doctest::Approx(mass.volume).epsilon(1e-10));
+        CHECK(part.mass.area == doctest::Approx(mass.area).epsilon(1e-9));
+        CHECK(glm::distance(part.mass.centre_of_mass, mass.centre_of_mass) < 1e-9);
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j)
+                CHECK(std::abs(part.mass.inertia[i][j] - mass.inertia[i][j]) < 1e-9 * glm::length(before.inertia[0]));
+    }
+    CHECK(left + taken == doctest::Approx(before.volume).epsilon(1e-12));
+    return rest;
 }
 
 } // namespace
@@ -123,7 +128,7 @@ TEST_CASE("local cut: pieces are those of a cut of the whole mesh, and the rest 
                 const auto at = static_cast<size_t>(random.uniform() * static_cast<double>(mesh.positions.size()));
                 const Blow blow = blow_at(mesh.positions[at], share * size, 10, random);
                 ++tries;
-                cuts += compare(clusters, mesh, blow) ? 1 : 0;
+                cuts += compare(clusters, mesh, blow).empty() ? 0 : 1;
             }
     }
     CHECK(cuts > tries / 2);
@@ -138,13 +143,37 @@ TEST_CASE("local cut: blow after blow, each to what the one before has left") {
             const auto at = static_cast<size_t>(random.uniform() * static_cast<double>(mesh.positions.size()));
             const Blow blow = blow_at(mesh.positions[at], 0.12, 8, random);
             const auto rest = compare(clusters, mesh, blow, k % 2 == 0 ? 1e-5 : 0.0);
-            if (!rest) continue;
+            if (rest.empty()) continue;
             ++cuts;
-            clusters = *rest;
+            clusters = rest[0].mesh;
             mesh = clusters.flatten();
         }
         CHECK(cuts > 15);
     }
+}
+
+TEST_CASE("local cut: a solid that falls apart leaves several parts, and a cavity calls for a cut of the whole") {
+    // A ring without a piece of it is one part; without another one, it is two.
+    TriangleMesh mesh = torus(240, 60, 1.0, 0.15);
+    ClusterMesh clusters = clusters_of(mesh);
+    Random random(29);
+    std::vector<LocalCut::Rest> rest;
+    for (const double x : {1.0, -1.0}) {
+        const Box box = bounds(mesh);
+        glm::dvec3 at(x > 0.0 ? box.max.x : box.min.x, box.centre().y, box.centre().z);
+        const double thick = box.size().y; // of the tube
+        at.x -= x * 0.5 * thick;
+        rest = compare(clusters, mesh, blow_at(at, 0.75 * thick, 12, random));
+        REQUIRE(rest.size() == (x > 0.0 ? 1 : 2));
+        clusters = rest[0].mesh;
+        mesh = clusters.flatten();
+    }
+    CHECK(rest[0].mesh.triangle_count() >= rest[1].mesh.triangle_count());
+    CHECK(rest[0].mass.volume == doctest::Approx(rest[1].mass.volume).epsilon(0.3));
+    // Pieces around a point deep inside leave a cavity.
+    const TriangleMesh ball = icosphere(5);
+    const Blow inside = blow_at(glm::dvec3(0.7, 0.0, 0.0), 0.12, 8, random);
+    CHECK(compare(clusters_of(ball), ball, inside).empty());
 }
 
 TEST_CASE("local cut: rough cuts, on dense and on coarse surfaces") {
@@ -156,7 +185,7 @@ TEST_CASE("local cut: rough cuts, on dense and on coarse surfaces") {
             const auto at = static_cast<size_t>(random.uniform() * static_cast<double>(mesh.positions.size()));
             const Blow blow = blow_at(mesh.positions[at], 0.12, 8, random);
             const Roughness rough{.amount = k % 2 == 0 ? 0.3 : 0.8, .wavelength = 0.1, .seed = 5u + k};
-            cuts += compare(clusters, mesh, blow, 1e-6, rough) ? 1 : 0;
+            cuts += compare(clusters, mesh, blow, 1e-6, rough).empty() ? 0 : 1;
         }
         CHECK(cuts >= 4);
     }
@@ -197,7 +226,7 @@ TEST_CASE("local cut: sites in special position") {
                 blow.groups.push_back(inner ? static_cast<uint32_t>(blow.groups.size()) : 1000u);
             }
     blow.rest = 1000;
-    CHECK(compare(clusters_of(plate), plate, blow).has_value());
+    CHECK(compare(clusters_of(plate), plate, blow).size() == 1);
 }
 
 TEST_CASE("local cut: where the cells reach over the mesh, or out of its surroundings, the whole is to be cut") {

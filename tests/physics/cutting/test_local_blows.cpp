@@ -1,8 +1,10 @@
 // Blows to large solids, of which only the part that a blow reaches is cut.
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <memory>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include <doctest/doctest.h>
@@ -146,15 +148,16 @@ TEST_CASE("local blow: hulls of what remains stay inside the hulls before, out o
 }
 
 TEST_CASE("local blow: pieces of flat and rough blows, one after the other, do not push apart at birth") {
-    for (const double amount : {0.0, 0.3, 0.8}) {
+    const fracture::TriangleMesh thick = fracture::torus(160, 80), thin = fracture::torus(240, 60, 1.0, 0.15);
+    for (const auto& [mesh, amount] :
+         {std::pair(&thick, 0.0), {&thick, 0.3}, {&thick, 0.8}, {&thin, 0.0}, {&thin, 0.3}}) {
         CAPTURE(amount);
         World world(
             {.gravity = glm::vec3(0.0f), .ground_height = std::nullopt, .air_density = 0.0f, .sleeping = false});
         Destruction destruction({.latency = 1});
         BreakableDesc desc = test_destruction::desc_of(0.02);
         desc.solid.rough.amount = amount;
-        const fracture::TriangleMesh mesh = fracture::torus(160, 80);
-        (void)test_destruction::must_add(destruction, world, mesh, desc);
+        (void)test_destruction::must_add(destruction, world, *mesh, desc);
         for (size_t blow = 0; blow < 4; ++blow) {
             PieceId largest = destruction.pieces()[0];
             for (const PieceId piece : destruction.pieces())
@@ -174,6 +177,31 @@ TEST_CASE("local blow: pieces of flat and rough blows, one after the other, do n
             fastest = std::max(fastest, glm::length(world.linear_velocity(destruction.body(piece))));
         CHECK(fastest < 0.005f);
         CHECK(test_destruction::volume_of(destruction)
-              == doctest::Approx(fracture::mass_properties(mesh.positions, mesh.triangles).volume).epsilon(1e-9));
+              == doctest::Approx(fracture::mass_properties(mesh->positions, mesh->triangles).volume).epsilon(1e-9));
+    }
+}
+
+TEST_CASE("local blow: a ring that is broken through twice falls into two solids, each with its own hulls") {
+    SolidPtr solid = solid_of(fracture::torus(240, 60, 1.0, 0.15));
+    std::vector<SolidPtr> pieces;
+    for (const double x : {1.0, -1.0}) {
+        const ImpactSites sites = sites_at(*solid, {1.15 * x, 0.0, 0.0}, 0.45, 3);
+        const auto broken = break_solid(*solid, sites.sites, sites.groups, settings());
+        REQUIRE(broken.has_value());
+        pieces = *broken;
+        std::ranges::sort(pieces, std::greater<>(), [](const SolidPtr& piece) { return piece->mass.volume; });
+        solid = pieces[0];
+        REQUIRE(solid->clusters.triangle_count() > 0);
+    }
+    REQUIRE(pieces.size() > 3);
+    CHECK(pieces[1]->mass.volume > 0.6 * pieces[0]->mass.volume);
+    CHECK(pieces[2]->mass.volume < 0.2 * pieces[0]->mass.volume);
+    for (size_t k = 0; k < 2; ++k) {
+        const SolidPiece &own = *pieces[k], &other = *pieces[1 - k];
+        const fracture::InsideTest in_other(other.mesh);
+        CHECK(own.parts.size() >= 3);
+        for (const BodyPart& part : own.parts)
+            for (const glm::vec3& p : part.hull->points)
+                CHECK_FALSE(in_other(own.mass.centre_of_mass + glm::dvec3(part.offset + p)));
     }
 }
