@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <fstream>
 #include <string>
 #include <thread>
 #include <utility>
@@ -15,7 +14,6 @@
 #include <glm/geometric.hpp>
 
 #include "fracture/fracture.h"
-#include "fracture/io/import.h"
 #include "fracture/shapes/shapes.h"
 #include "fracture/sites/sites.h"
 #include "physics/cutting/destruction.h"
@@ -46,9 +44,8 @@ double thread_milliseconds() {
 
 // Scaled to a longest side of 2 m.
 fracture::TriangleMesh mesh_of(const std::string& name) {
-    fracture::TriangleMesh mesh = name == "bunny"       ? *fracture::import_mesh(bunny_file)
-                                  : name == "ball_328k" ? fracture::icosphere(7)
-                                                        : fracture::torus_knot(2, 3, 8192, 80); // knot_1311k
+    fracture::TriangleMesh mesh =
+        name == "ball_328k" ? fracture::icosphere(7) : fracture::torus_knot(2, 3, 8192, 80); // knot_1311k
     const fracture::Box box = fracture::bounds(mesh);
     const double scale = 2.0 / std::max({box.size().x, box.size().y, box.size().z});
     for (glm::dvec3& p : mesh.positions) p = (p - box.centre()) * scale;
@@ -244,9 +241,7 @@ void run_cycles(benchmark::State& state) {
 } // namespace
 
 void add_impact_benchmarks() {
-    std::vector<std::string> meshes{"ball_328k", "knot_1311k"};
-    if (std::ifstream(bunny_file).good()) meshes.insert(meshes.begin(), "bunny");
-    for (const std::string& mesh : meshes)
+    for (const std::string mesh : {"ball_328k", "knot_1311k"})
         benchmark::RegisterBenchmark(("impact/" + mesh).c_str(),
                                      [=](benchmark::State& state) { run_impact(state, mesh); })
             ->Unit(benchmark::kMillisecond)

@@ -23,7 +23,7 @@ using namespace fracture;
 namespace {
 
 constexpr size_t enough_triangles = 4000, max_triangles = 40'000;
-constexpr size_t most_sites = 40;
+constexpr size_t max_sites = 40;
 constexpr uint32_t shell_sites = 32;
 constexpr double share = 0.08; // radius of the cut part by the size of the mesh
 
@@ -70,7 +70,7 @@ std::string local_complaint(const Case& c) {
     std::vector<uint32_t> groups;
     double reach = 0.0;
     for (const glm::dvec3& site : c.sites) reach = std::max(reach, glm::distance(site, box.centre()));
-    for (size_t k = 0; k < std::min(c.sites.size(), most_sites); ++k) {
+    for (size_t k = 0; k < std::min(c.sites.size(), max_sites); ++k) {
         sites.push_back(at + (c.sites[k] - box.centre()) * (share * size / std::max(reach, 1e-300)));
         groups.push_back(static_cast<uint32_t>(k));
     }
