@@ -43,9 +43,11 @@ class NearBreak {
         : solid_(solid), sites_(sites), groups_(groups), rest_(*std::ranges::max_element(groups)), settings_(settings),
           cancelled_(cancelled), cut_(std::move(cut)) {}
 
-    std::optional<std::vector<SolidPtr>> run() {
+    std::optional<std::vector<SolidPtr>> run(CrackBudget* budget) {
         Fragments& cells = cut_.cells;
         goes_to_ = fracture::choose_mergers(cells, {groups_, cube(settings_.min_size), {}});
+        if (budget) budget->surface = crack_surface(cells, goes_to_);
+        if (budget && budget->exceeded()) return std::vector<SolidPtr>();
         parts_ = parts_of_cells(cells, settings_.parts);
         for (const Piece& cell : cells.pieces) {
             centres_.push_back(cell.mass.centre_of_mass);
@@ -190,12 +192,13 @@ class NearBreak {
 
 std::optional<std::vector<SolidPtr>> break_near(const SolidPiece& solid, std::span<const glm::dvec3> sites,
                                                 std::span<const uint32_t> groups, const fracture::Roughness& rough,
-                                                const SolidSettings& settings, const std::function<bool()>& cancelled) {
+                                                const SolidSettings& settings, const std::function<bool()>& cancelled,
+                                                CrackBudget* budget) {
     if (solid.clusters.triangle_count() == 0 || groups.empty()) return std::nullopt;
     std::optional<LocalCut> cut = LocalCut::make(solid.clusters, sites, groups, *std::ranges::max_element(groups),
                                                  {.threads = settings.threads, .rough = rough, .cancelled = cancelled});
     if (!cut) return std::nullopt;
-    return NearBreak(solid, sites, groups, settings, cancelled, *std::move(cut)).run();
+    return NearBreak(solid, sites, groups, settings, cancelled, *std::move(cut)).run(budget);
 }
 
 } // namespace brittle::physics

@@ -21,6 +21,7 @@ namespace brittle::physics {
 // of rough cuts must not be 0.
 [[nodiscard]] std::optional<std::vector<SolidPtr>>
 break_near(const SolidPiece& solid, std::span<const glm::dvec3> sites, std::span<const uint32_t> groups,
-           const fracture::Roughness& rough, const SolidSettings& settings, const std::function<bool()>& cancelled);
+           const fracture::Roughness& rough, const SolidSettings& settings, const std::function<bool()>& cancelled,
+           CrackBudget* budget);
 
 } // namespace brittle::physics

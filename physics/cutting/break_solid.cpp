@@ -148,9 +148,9 @@ std::vector<uint32_t> first_of_islands(const Fragments& cut, std::vector<uint32_
 
 Result<std::vector<SolidPtr>> break_solid(const SolidPiece& solid, std::span<const glm::dvec3> sites,
                                           std::span<const uint32_t> groups, const SolidSettings& settings,
-                                          const std::function<bool()>& cancelled) {
+                                          const std::function<bool()>& cancelled, CrackBudget* budget) {
     const fracture::Roughness rough = roughness_of_blow(solid, sites, settings);
-    if (auto pieces = break_near(solid, sites, groups, rough, settings, cancelled)) return *std::move(pieces);
+    if (auto pieces = break_near(solid, sites, groups, rough, settings, cancelled, budget)) return *std::move(pieces);
     Result<Fragments> cut = fracture::fracture(solid.mesh, sites,
                                                {.threads = settings.threads,
                                                 .merged_later = {groups.begin(), groups.end()},
@@ -158,6 +158,8 @@ Result<std::vector<SolidPtr>> break_solid(const SolidPiece& solid, std::span<con
                                                 .cancelled = cancelled});
     if (!cut) return cut.error();
     const std::vector<uint32_t> goes_to = fracture::choose_mergers(*cut, {groups, cube(settings.min_size), {}});
+    if (budget) budget->surface = crack_surface(*cut, goes_to);
+    if (budget && budget->exceeded()) return std::vector<SolidPtr>();
     return joined_pieces(solid, *cut, goes_to, settings, cancelled);
 }
 

@@ -182,8 +182,8 @@ std::optional<PlannedCut> Destruction::plan(const World& world, const Live& piec
 
 namespace {
 
-// The pieces of the damage, before the load on held ones.
-Result<std::vector<SolidPtr>> cut_pieces(const PlannedCut& cut, const Damage& damage,
+// The pieces of the damage, before the load on held ones; none where the cracks exceed the budget.
+Result<std::vector<SolidPtr>> cut_pieces(const PlannedCut& cut, const Damage& damage, CrackBudget& budget,
                                          const std::function<bool()>& cancelled) {
     ImpactPattern pattern = cut.desc->pattern;
     pattern.seed = cut.seed;
@@ -199,10 +199,12 @@ Result<std::vector<SolidPtr>> cut_pieces(const PlannedCut& cut, const Damage& da
     ImpactSites sites;
     const auto broken = [&] {
         sites = impact_sites(cut.solid->mesh, cut.solid->mass, on_surface, damage, pattern, cut.solid->clusters);
-        return break_solid(*cut.solid, sites.sites, sites.groups, settings, cancelled);
+        return break_solid(*cut.solid, sites.sites, sites.groups, settings, cancelled, &budget);
     };
     Result<std::vector<SolidPtr>> pieces = broken();
-    const auto withstands = [&] { return pieces && pieces->size() < 2 && !(cancelled && cancelled()); };
+    const auto withstands = [&] {
+        return pieces && pieces->size() < 2 && !budget.exceeded() && !(cancelled && cancelled());
+    };
     // A failed attempt keeps the previous result.
     const auto take = [&](Result<std::vector<SolidPtr>> other) {
         if (other) pieces = std::move(other);
@@ -214,7 +216,7 @@ Result<std::vector<SolidPtr>> cut_pieces(const PlannedCut& cut, const Damage& da
     if (withstands() && sites.rest > 1 && std::ranges::find(sites.groups, sites.rest) != sites.groups.end()) {
         // Crumbs that are each below the minimum size come off as one piece.
         for (uint32_t& group : sites.groups) group = group < sites.rest ? 0 : 1;
-        take(break_solid(*cut.solid, sites.sites, sites.groups, settings, cancelled));
+        take(break_solid(*cut.solid, sites.sites, sites.groups, settings, cancelled, &budget));
     }
     return pieces;
 }
@@ -223,18 +225,16 @@ Result<std::vector<SolidPtr>> cut_pieces(const PlannedCut& cut, const Damage& da
 
 Result<std::vector<SolidPtr>> carry_out(const PlannedCut& cut, const std::function<bool()>& cancelled) {
     Damage damage = cut.damage;
-    Result<std::vector<SolidPtr>> pieces = cut_pieces(cut, damage, cancelled);
-    // Share of the blow's energy that the cracks take. Damage estimates their surface; shells, splinters and bricks
-    // have more of it.
-    const auto spent = [&] {
-        return new_surface(*cut.solid, *pieces) * static_cast<double>(cut.desc->solid.material.fracture_energy)
-               / cut.blow.energy;
-    };
-    for (int k = 0; k < max_recuts && pieces && spent() > 1.0; ++k) {
-        damage.radius *= std::sqrt(recut_share / spent());
-        pieces = cut_pieces(cut, damage, cancelled);
+    // The blow's energy pays for the cracks. Damage estimates their surface; shells, splinters and bricks have more of
+    // it.
+    const auto fracture_energy = static_cast<double>(cut.desc->solid.material.fracture_energy);
+    CrackBudget budget{.limit = cut.blow.energy / fracture_energy};
+    Result<std::vector<SolidPtr>> pieces = cut_pieces(cut, damage, budget, cancelled);
+    for (int k = 0; k < max_recuts && pieces && budget.exceeded(); ++k) {
+        damage.radius *= std::sqrt(recut_share * budget.limit / budget.surface);
+        pieces = cut_pieces(cut, damage, budget, cancelled);
     }
-    if (pieces && spent() > 1.0) return std::vector<SolidPtr>{cut.solid};
+    if (pieces && budget.exceeded()) return std::vector<SolidPtr>{cut.solid};
     if (pieces) *pieces = standing(std::move(*pieces), cut.desc->solid, cut.gravity, cancelled);
     return pieces;
 }

@@ -123,6 +123,13 @@ SolidPiece solid_from(const Fragments& fragments, const Piece& piece, const CutT
     return solid;
 }
 
+double crack_surface(const Fragments& cells, std::span<const uint32_t> goes_to) {
+    double surface = 0.0;
+    for (const fracture::Bond& bond : cells.bonds)
+        if (goes_to[bond.a] != goes_to[bond.b]) surface += bond.area;
+    return surface;
+}
+
 std::vector<std::vector<BodyPart>> parts_of_cells(const Fragments& cells, const ConvexPartSettings& settings) {
     ConvexPartSettings few = settings;
     few.max_parts = std::min(settings.max_parts, max_parts_of_cell);

@@ -68,6 +68,9 @@ class CutTags {
                                     const CutTags& tags, const SolidSettings& settings,
                                     const std::function<bool()>& cancelled);
 
+// m^2 of the cracks between the pieces of a cut, whose cells have been joined: goes_to[cell] is the first cell of a piece.
+[[nodiscard]] double crack_surface(const fracture::Fragments& cells, std::span<const uint32_t> goes_to);
+
 // By cell of a cut: its collision hulls, relative to the cell's centre of mass. None for a cell of infinite volume, an
 // open one (fracture/local/local_cut.h).
 [[nodiscard]] std::vector<std::vector<BodyPart>> parts_of_cells(const fracture::Fragments& cells,

@@ -80,13 +80,22 @@ using SolidPtr = std::shared_ptr<const SolidPiece>;
 [[nodiscard]] fracture::Result<SolidPtr> make_solid(const fracture::TriangleMesh& mesh,
                                                     const SolidSettings& settings = {});
 
+// A limit of the cracks of a cut, m^2; a crack has two sides, and counts once.
+struct CrackBudget {
+    double limit = 0.0;
+    double surface = 0.0; // set by the cut
+
+    [[nodiscard]] bool exceeded() const { return surface > limit; }
+};
+
 // Cuts a solid along the Voronoi cells of sites. Cells of one group stay together where they touch. The pieces are in
 // the order of fracture(), and their volumes sum to the solid's. Collision parts are the hulls of cells, so parts of
 // different pieces do not overlap, except those of two islands of one cell. Fails as fracture() does, with
-// Status::cancelled once `cancelled` returns true.
+// Status::cancelled once `cancelled` returns true. A budget that the cracks exceed ends the work before hulls are made;
+// the result is empty then.
 [[nodiscard]] fracture::Result<std::vector<SolidPtr>>
 break_solid(const SolidPiece& solid, std::span<const glm::dvec3> sites, std::span<const uint32_t> groups,
-            const SolidSettings& settings, const std::function<bool()>& cancelled = {});
+            const SolidSettings& settings, const std::function<bool()>& cancelled = {}, CrackBudget* budget = nullptr);
 
 // Cuts a solid between blocks of different islands, which islands_under_load() and islands_after_blow() number.
 // Precondition: solid.blocks, and one island a block. An island below the minimum size joins the neighbour that it

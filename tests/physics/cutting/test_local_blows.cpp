@@ -205,3 +205,26 @@ TEST_CASE("local blow: a ring that is broken through twice falls into two solids
                 CHECK_FALSE(in_other(own.mass.centre_of_mass + glm::dvec3(part.offset + p)));
     }
 }
+
+TEST_CASE("local blow: a budget knows the surface of the cracks, and ends a cut that exceeds it") {
+    for (const fracture::TriangleMesh& mesh : {fracture::icosphere(5), fracture::cube(1.0)}) {
+        const SolidPtr solid = solid_of(mesh);
+        const ImpactSites sites = sites_at(*solid, mesh.positions[5], 0.2, 2);
+        for (const double roughness : {0.0, 0.4}) {
+            SolidSettings own = settings();
+            own.rough = {.amount = roughness};
+            CrackBudget ample{.limit = 1e9};
+            const auto pieces = break_solid(*solid, sites.sites, sites.groups, own, {}, &ample);
+            REQUIRE(pieces.has_value());
+            CHECK(pieces->size() > 2);
+            CHECK(ample.surface == doctest::Approx(new_surface(*solid, *pieces)).epsilon(1e-6));
+            CHECK_FALSE(ample.exceeded());
+            CrackBudget tight{.limit = 0.99 * ample.surface};
+            const auto none = break_solid(*solid, sites.sites, sites.groups, own, {}, &tight);
+            REQUIRE(none.has_value());
+            CHECK(none->empty());
+            CHECK(tight.exceeded());
+            CHECK(tight.surface == ample.surface);
+        }
+    }
+}
