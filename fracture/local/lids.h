@@ -5,9 +5,9 @@
 // region, so the winding numbers in the region change by one constant, and boxes around everything make up for it. A
 // cut whose cells lie in the region then gives the same pieces as a cut of the whole surface.
 //
-// The triangles added, the lids: a strip from each loop of the border straight away from the region, and a cone over its
-// far end with an apex much farther out. A ray that leaves a convex region never comes back, so a strip stays outside;
-// the cones are tested.
+// The triangles added, the lids: a strip from each loop of the border straight away from the region, and a cone over
+// its far end with an apex much farther out. A ray that leaves a convex region never comes back, so a strip stays
+// outside; the cones are tested.
 #pragma once
 
 #include <cstdint>

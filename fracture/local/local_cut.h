@@ -6,8 +6,8 @@
 //     for (const LocalCut::Rest& part : cut->rest(mass, tag_of)) ...
 //
 // Sites of one group, the rest, have cells that stay together. The cells of all other sites must lie in a small region.
-// Only the triangles near it are cut, closed to a solid by lids (lids.h); the pieces in the region are those of a cut of
-// the whole mesh. Pieces of the rest that hold lids are open pieces: what continues in triangles that were not cut.
+// Only the triangles near it are cut, closed to a solid by lids (lids.h); the pieces in the region are those of a cut
+// of the whole mesh. Pieces of the rest that hold lids are open pieces: what continues in triangles that were not cut.
 #pragma once
 
 #include <cstdint>
@@ -27,9 +27,9 @@ namespace brittle::fracture {
 class LocalCut {
   public:
     // Precondition: the mesh is a closed manifold, oriented and connected; groups has one entry a site; the wavelength
-    // of rough cuts is not 0. Of the settings reads threads, rough, cancelled and work_log. Returns nothing where a cut of the whole mesh is called for: the cells
-    // reach too far or over most of the mesh, the mesh ends in the sense of fracture() with an error, or the call was
-    // cancelled.
+    // of rough cuts is not 0. Of the settings reads threads, rough, cancelled and work_log. Returns nothing where the
+    // caller must cut the whole mesh: the cells reach far out or over most of the mesh, no lids were found, the cut of
+    // the patch failed, or it was cancelled.
     [[nodiscard]] static std::optional<LocalCut> make(const ClusterMesh& mesh, std::span<const glm::dvec3> sites,
                                                       std::span<const uint32_t> groups, uint32_t rest,
                                                       const Settings& settings);

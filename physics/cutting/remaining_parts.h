@@ -1,8 +1,8 @@
 // The collision hulls of what remains of a solid after a blow, from the hulls that it had.
 //
-// A hull that no lost cell reaches stays as it is. Each other one is cut along the Voronoi cells of the sites: what lies
-// in the cell of a site that stays becomes a hull of its own. So hulls lie inside those before, and outside the cells of
-// the pieces that left; they overlap neither. Parts without any of the solid in them are dropped.
+// A hull that no lost cell reaches stays as it is. Each other one is cut along the Voronoi cells of the sites: what
+// lies in the cell of a site that stays becomes a hull of its own. So hulls lie inside those before, and outside the
+// cells of the pieces that left; they overlap neither. Parts without any of the solid in them are dropped.
 //
 // Metres; coordinates of the object. Pure function, equal input gives equal parts.
 #pragma once
@@ -29,9 +29,9 @@ struct FormerParts {
     glm::dvec3 origin{0.0}; // that they are relative to
 };
 
-// `surface` bounds what remains. Where several solids remain, each gets its parts by a call of its own: `is_one_of_many`
-// leaves out those with nothing of this one in them. Hulls of less than `least` m^3 are left out. The result is relative
-// to `origin`.
+// `surface` bounds what remains. Where several solids remain, each gets its parts by a call of its own:
+// `is_one_of_many` leaves out those with nothing of this one in them. Hulls of less than `least` m^3 are left out. The
+// result is relative to `origin`.
 [[nodiscard]] std::vector<BodyPart> remaining_parts(const FormerParts& before, const fracture::ClusterMesh& surface,
                                                     bool is_one_of_many, const LostCells& cells, double least,
                                                     const glm::dvec3& origin, const HullSettings& settings = {});

@@ -44,7 +44,8 @@ inline constexpr uint32_t cut_bit = 0x80000000u;
 // Sets mesh, exterior_triangles, source and cut from triangles with tags, exterior ones first.
 void set_surface(SolidPiece& solid, fracture::TriangleMesh mesh, std::span<const uint32_t> tags);
 
-// The tags of the triangles of a cut's pieces: those of the triangles that were cut, and a new number a site across a new cut.
+// The tags of the triangles of a cut's pieces: those of the triangles that were cut, and a new number a site across a
+// new cut.
 class CutTags {
   public:
     // `of_input` are the tags of the triangles that were cut, of the solid `from`.
@@ -68,7 +69,8 @@ class CutTags {
                                     const CutTags& tags, const SolidSettings& settings,
                                     const std::function<bool()>& cancelled);
 
-// m^2 of the cracks between the pieces of a cut, whose cells have been joined: goes_to[cell] is the first cell of a piece.
+// m^2 of the cracks between the pieces of a cut, whose cells have been joined: goes_to[cell] is the first cell of a
+// piece.
 [[nodiscard]] double crack_surface(const fracture::Fragments& cells, std::span<const uint32_t> goes_to);
 
 // By cell of a cut: its collision hulls, relative to the cell's centre of mass. None for a cell of infinite volume, an
