@@ -80,6 +80,13 @@ class ClusterMesh {
         if (root_) visit(*root_, may_matter, act);
     }
 
+    // Calls act(cluster) for clusters all over the mesh: at most twice so many as asked for, and no fewer unless the mesh
+    // has fewer.
+    template<class Act>
+    void visit_some(uint32_t count, Act&& act) const {
+        if (root_) visit_some(*root_, count, act);
+    }
+
     // This mesh without some of its clusters and with other triangles. Precondition: triangles that meet name the same
     // vertices.
     [[nodiscard]] ClusterMesh with(const ClusterSet& without, const FaceList& faces) const;
@@ -112,6 +119,17 @@ class ClusterMesh {
         }
         visit(*node.low, may_matter, act);
         visit(*node.high, may_matter, act);
+    }
+    template<class Act>
+    void visit_some(const Node& node, uint32_t count, Act& act) const {
+        if (!node.cluster && uint64_t{node.clusters} * count > root_->clusters) {
+            visit_some(*node.low, count, act);
+            visit_some(*node.high, count, act);
+            return;
+        }
+        const Node* some = &node;
+        while (!some->cluster) some = some->low.get();
+        act(some->cluster);
     }
     [[nodiscard]] std::vector<uint32_t> components() const;
     [[nodiscard]] static NodePtr leaf(ClusterPtr cluster);

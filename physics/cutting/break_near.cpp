@@ -84,10 +84,7 @@ class NearBreak {
 
   private:
     static SolidPtr shared(SolidPiece&& piece) {
-        if (!piece.breakable) {
-            piece.mesh.positions = {};
-            piece.clusters = {};
-        }
+        if (!piece.breakable) piece.drop_cut_data();
         return std::make_shared<const SolidPiece>(std::move(piece));
     }
 
@@ -144,11 +141,11 @@ class NearBreak {
         for (LocalCut::Rest& part : left) {
             SolidPiece& solid = remains.emplace_back();
             solid.mass = part.mass;
-            std::vector<uint32_t> of_triangles;
-            fracture::TriangleMesh mesh = part.mesh.flatten(&of_triangles);
-            set_surface(solid, std::move(mesh), of_triangles);
             solid.clusters = std::move(part.mesh);
+            solid.cut_limit = tags.limit(sites_.size());
             finish(solid, settings_);
+            const double moved = glm::distance(solid.mass.centre_of_mass, solid_.mass.centre_of_mass);
+            solid.radius = std::min(solid.radius, solid_.radius + static_cast<float>(moved));
             add_blocks(solid, settings_, cancelled_);
             // Inside of what remains, the surface of all remains is that of one part.
             solid.parts = remaining_parts({solid_.parts, solid_.mass.centre_of_mass}, solid.clusters, left.size() > 1,
@@ -194,7 +191,7 @@ std::optional<std::vector<SolidPtr>> break_near(const SolidPiece& solid, std::sp
                                                 std::span<const uint32_t> groups, const fracture::Roughness& rough,
                                                 const SolidSettings& settings, const std::function<bool()>& cancelled,
                                                 CrackBudget* budget) {
-    if (solid.clusters.triangle_count() == 0 || groups.empty()) return std::nullopt;
+    if (!solid.is_clustered() || groups.empty()) return std::nullopt;
     std::optional<LocalCut> cut = LocalCut::make(solid.clusters, sites, groups, *std::ranges::max_element(groups),
                                                  {.threads = settings.threads, .rough = rough, .cancelled = cancelled});
     if (!cut) return std::nullopt;

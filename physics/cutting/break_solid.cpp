@@ -35,14 +35,11 @@ Error cancelled_error() {
     return {Status::cancelled, "breaking a solid was cancelled"};
 }
 
-// Triangles all over a surface, of at most about so many clusters.
+// Triangles all over a surface.
 fracture::TriangleMesh sample_of(const fracture::ClusterMesh& clusters) {
-    constexpr uint32_t most = 64;
-    const uint32_t stride = 1 + clusters.cluster_count() / most;
+    constexpr uint32_t enough = 64; // clusters
     fracture::TriangleMesh sample;
-    uint32_t at = 0;
-    clusters.for_each([&](const fracture::ClusterPtr& cluster) {
-        if (at++ % stride != 0) return;
+    clusters.visit_some(enough, [&](const fracture::ClusterPtr& cluster) {
         const auto base = static_cast<uint32_t>(sample.positions.size());
         sample.positions.insert(sample.positions.end(), cluster->positions.begin(), cluster->positions.end());
         for (const auto& [a, b, c] : cluster->triangles) sample.triangles.emplace_back(base + a, base + b, base + c);
@@ -56,9 +53,8 @@ fracture::Roughness roughness_of_blow(const SolidPiece& solid, std::span<const g
     fracture::Roughness rough = settings.rough;
     rough.max_triangles = std::min<uint64_t>(rough.max_triangles, max_rough_triangles);
     if (rough.is_flat()) return rough;
-    const bool has_clusters = solid.clusters.triangle_count() > 0;
-    const double distance =
-        fracture::rough::typical_distance(has_clusters ? sample_of(solid.clusters) : solid.mesh, sites);
+    const double distance = fracture::rough::typical_distance(
+        solid.is_clustered() ? sample_of(solid.clusters) : solid.surface().mesh, sites);
     if (distance < min_rough_pieces * settings.min_size) rough.amount = 0.0;
     if (!(rough.wavelength > 0.0)) rough.wavelength = distance;
     return rough;
@@ -68,7 +64,7 @@ fracture::Roughness roughness_of_blow(const SolidPiece& solid, std::span<const g
 Result<std::vector<SolidPtr>> joined_pieces(const SolidPiece& solid, Fragments& cut,
                                             const std::vector<uint32_t>& goes_to, const SolidSettings& settings,
                                             const std::function<bool()>& cancelled) {
-    const std::vector<uint32_t> of_input = tags_of(solid);
+    const std::vector<uint32_t> of_input = tags_of(solid.surface());
     const CutTags tags(cut, of_input, solid);
     const std::vector<std::vector<BodyPart>> parts = parts_of_cells(cut, settings.parts);
     if (cancelled && cancelled()) return cancelled_error();
@@ -84,7 +80,7 @@ Result<std::vector<SolidPtr>> joined_pieces(const SolidPiece& solid, Fragments& 
         SolidPiece piece = solid_from(cut, cut.pieces[pieces.size()], tags, settings, cancelled);
         for (uint32_t other = 0; other < goes_to.size(); ++other)
             if (goes_to[other] == cell) add_parts(parts[other], centres[other], piece);
-        if (!piece.breakable) piece.mesh.positions = {};
+        if (!piece.breakable) piece.drop_cut_data();
         pieces.push_back(std::make_shared<const SolidPiece>(std::move(piece)));
     }
     return pieces;
@@ -151,7 +147,7 @@ Result<std::vector<SolidPtr>> break_solid(const SolidPiece& solid, std::span<con
                                           const std::function<bool()>& cancelled, CrackBudget* budget) {
     const fracture::Roughness rough = roughness_of_blow(solid, sites, settings);
     if (auto pieces = break_near(solid, sites, groups, rough, settings, cancelled, budget)) return *std::move(pieces);
-    Result<Fragments> cut = fracture::fracture(solid.mesh, sites,
+    Result<Fragments> cut = fracture::fracture(solid.surface().mesh, sites,
                                                {.threads = settings.threads,
                                                 .merged_later = {groups.begin(), groups.end()},
                                                 .rough = rough,
@@ -166,7 +162,7 @@ Result<std::vector<SolidPtr>> break_solid(const SolidPiece& solid, std::span<con
 Result<std::vector<SolidPtr>> break_apart(const SolidPiece& solid, std::span<const uint32_t> islands,
                                           const SolidSettings& settings, const std::function<bool()>& cancelled) {
     assert(solid.blocks && islands.size() == solid.blocks->nodes.size());
-    Result<Fragments> cut = fracture::fracture(solid.mesh, solid.blocks->sites,
+    Result<Fragments> cut = fracture::fracture(solid.surface().mesh, solid.blocks->sites,
                                                {.threads = settings.threads,
                                                 .merged_later = islands_of_cells(*solid.blocks, islands),
                                                 .rough = roughness_of_blow(solid, solid.blocks->sites, settings),

@@ -223,7 +223,7 @@ void Destruction::forget_piece(PieceId id) {
 // Frees large meshes on a worker thread: a mesh of a million triangles takes 4 to 8 ms.
 void Destruction::free_elsewhere(SolidPtr solid, PayloadPtr payload) {
     constexpr size_t many_triangles = 10'000; // the allocator keeps the blocks of smaller ones, so freeing them is fast
-    if (solid->mesh.triangles.size() <= many_triangles) return;
+    if (solid->triangle_count() <= many_triangles) return;
     if (payload) background_.discard(std::shared_ptr<const PiecePayload>(std::move(payload)));
     background_.discard(std::move(solid));
 }

@@ -77,7 +77,7 @@ void Destruction::update_debris(World& world) {
             continue;
         }
         ++count;
-        vertices += piece.solid->positions.size();
+        vertices += piece.solid->vertex_count();
         if (piece.bonded != none && !is_detached(piece)) piece.born = world.steps_taken();
         if (!is_debris(piece)) continue;
         piece.slept = world.awake(body_of(piece)) ? 0 : piece.slept + 1;
@@ -112,7 +112,7 @@ std::vector<PieceId> Destruction::retire_debris(const World& world, size_t count
             const SolidPiece& solid = *pieces_.at(part).solid;
             ++debris.pieces;
             debris.volume += solid.mass.volume;
-            debris.vertices += solid.positions.size();
+            debris.vertices += solid.vertex_count();
         }
     }
     mark_visible(world, candidates, count, vertices);

@@ -188,18 +188,19 @@ Result<std::vector<SolidPtr>> cut_pieces(const PlannedCut& cut, const Damage& da
     ImpactPattern pattern = cut.desc->pattern;
     pattern.seed = cut.seed;
     Blow on_surface = cut.blow;
-    const bool has_clusters = cut.solid->clusters.triangle_count() > 0;
-    on_surface.point = has_clusters ? fracture::nearest_on(cut.solid->clusters, cut.blow.point)
-                                    : fracture::nearest_on(cut.solid->mesh, cut.blow.point);
+    const SolidPiece& solid = *cut.solid;
+    on_surface.point = solid.is_clustered() ? fracture::nearest_on(solid.clusters, cut.blow.point)
+                                            : fracture::nearest_on(solid.surface().mesh, cut.blow.point);
     SolidSettings settings = cut.desc->solid;
     settings.rough.seed = cut.seed;
     settings.rough.detail = 1; // for the latency of blows
     if (pattern.kind == fracture::PatternKind::splinters && pattern.diagram.empty())
-        settings.rough.grain = glm::length(settings.rough.grain) * longest_axis(cut.solid->mass);
+        settings.rough.grain = glm::length(settings.rough.grain) * longest_axis(solid.mass);
     ImpactSites sites;
     const auto broken = [&] {
-        sites = impact_sites(cut.solid->mesh, cut.solid->mass, on_surface, damage, pattern, cut.solid->clusters);
-        return break_solid(*cut.solid, sites.sites, sites.groups, settings, cancelled, &budget);
+        sites = solid.is_clustered() ? impact_sites(solid.clusters, solid.mass, on_surface, damage, pattern)
+                                     : impact_sites(solid.surface().mesh, solid.mass, on_surface, damage, pattern);
+        return break_solid(solid, sites.sites, sites.groups, settings, cancelled, &budget);
     };
     Result<std::vector<SolidPtr>> pieces = broken();
     const auto withstands = [&] {
@@ -216,7 +217,7 @@ Result<std::vector<SolidPtr>> cut_pieces(const PlannedCut& cut, const Damage& da
     if (withstands() && sites.rest > 1 && std::ranges::find(sites.groups, sites.rest) != sites.groups.end()) {
         // Crumbs that are each below the minimum size come off as one piece.
         for (uint32_t& group : sites.groups) group = group < sites.rest ? 0 : 1;
-        take(break_solid(*cut.solid, sites.sites, sites.groups, settings, cancelled, &budget));
+        take(break_solid(solid, sites.sites, sites.groups, settings, cancelled, &budget));
     }
     return pieces;
 }

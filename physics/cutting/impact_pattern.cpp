@@ -67,44 +67,49 @@ glm::dvec3 in_half_ball(Random& random, const glm::dvec3& along, double power) {
     return d * std::pow(random.uniform(), power);
 }
 
-// What the layout of sites asks about a solid; of its clusters, if it has any.
+// What the layout of sites asks about a solid.
 class Shape {
   public:
-    Shape(const fracture::TriangleMesh& mesh, const fracture::ClusterMesh& clusters)
-        : mesh_(mesh), clusters_(clusters), clustered_(clusters.triangle_count() > 0) {}
+    explicit Shape(const fracture::TriangleMesh& mesh) : mesh_(&mesh) {}
+    explicit Shape(const fracture::ClusterMesh& clusters) : clusters_(&clusters) {}
 
-    [[nodiscard]] fracture::Box box() const { return clustered_ ? clusters_.box() : fracture::bounds(mesh_); }
+    [[nodiscard]] fracture::Box box() const { return clusters_ ? clusters_->box() : fracture::bounds(*mesh_); }
     // The largest coordinate along a direction, seen from a point; at least 0.
     [[nodiscard]] double farthest_along(const glm::dvec3& from, const glm::dvec3& direction) const {
-        if (clustered_) return std::max(0.0, fracture::farthest_along(clusters_, from, direction));
+        if (clusters_) return std::max(0.0, fracture::farthest_along(*clusters_, from, direction));
         double farthest = 0.0;
-        for (const glm::dvec3& p : mesh_.positions) farthest = std::max(farthest, glm::dot(p - from, direction));
+        for (const glm::dvec3& p : mesh_->positions) farthest = std::max(farthest, glm::dot(p - from, direction));
         return farthest;
     }
-    [[nodiscard]] double farthest_from(const glm::dvec3& point) const {
-        if (clustered_) return fracture::farthest_from(clusters_, point);
+    // The radius, or the distance of the vertex that is farthest from the point, whichever is less.
+    [[nodiscard]] double within(double radius, const glm::dvec3& point) const {
+        const glm::dvec3 size = box().size(); // a vertex lies on each side of the box
+        if (radius <= 0.5 * std::max({size.x, size.y, size.z})) return radius;
+        if (clusters_) return std::min(radius, fracture::farthest_from(*clusters_, point));
         double farthest = 0.0;
-        for (const glm::dvec3& p : mesh_.positions) farthest = std::max(farthest, glm::distance(p, point));
-        return farthest;
+        for (const glm::dvec3& p : mesh_->positions) farthest = std::max(farthest, glm::distance(p, point));
+        return std::min(radius, farthest);
     }
-    // Vertices all over the surface: one a cluster, or all.
+    // Vertices all over the surface: of some clusters, or all.
     [[nodiscard]] std::vector<glm::dvec3> spread_vertices() const {
-        if (!clustered_) return mesh_.positions;
+        constexpr uint32_t enough = 4096;
+        if (!clusters_) return mesh_->positions;
         std::vector<glm::dvec3> some;
-        clusters_.for_each([&](const fracture::ClusterPtr& cluster) { some.push_back(cluster->positions[0]); });
+        clusters_->visit_some(enough,
+                              [&](const fracture::ClusterPtr& cluster) { some.push_back(cluster->positions[0]); });
         return some;
     }
     [[nodiscard]] std::function<bool(const glm::dvec3&)> inside_test() const {
-        if (clustered_) return [this](const glm::dvec3& point) { return fracture::is_inside(clusters_, point); };
-        return [test = std::make_shared<const fracture::InsideTest>(mesh_)](const glm::dvec3& point) {
+        if (clusters_) return [this](const glm::dvec3& point) { return fracture::is_inside(*clusters_, point); };
+        return [test = std::make_shared<const fracture::InsideTest>(*mesh_)](const glm::dvec3& point) {
             return (*test)(point);
         };
     }
 
   private:
-    const fracture::TriangleMesh& mesh_;
-    const fracture::ClusterMesh& clusters_;
-    bool clustered_;
+    // The other one is null.
+    const fracture::TriangleMesh* mesh_ = nullptr;
+    const fracture::ClusterMesh* clusters_ = nullptr;
 };
 
 class Maker {
@@ -112,7 +117,7 @@ class Maker {
     Maker(const Shape& solid, const Blow& blow, const Damage& damage, const ImpactPattern& pattern)
         : solid_(solid), blow_(blow), damage_(damage), pattern_(pattern), random_(pattern.seed),
           depth_(solid.farthest_along(blow.point, blow.normal)) {
-        reach_ = inner_ratio * std::min(damage_.radius, solid_.farthest_from(blow_.point));
+        reach_ = inner_ratio * solid_.within(damage_.radius, blow_.point);
     }
 
     ImpactSites run(const fracture::MassProperties& mass) {
@@ -400,12 +405,25 @@ Damage damage_of(const Blow& blow, const Material& material, double volume, cons
     return {radius, static_cast<uint32_t>(pieces), local};
 }
 
-ImpactSites impact_sites(const fracture::TriangleMesh& solid, const fracture::MassProperties& mass, const Blow& blow,
-                         const Damage& damage, const ImpactPattern& pattern, const fracture::ClusterMesh& clusters) {
+namespace {
+
+ImpactSites impact_sites(const Shape& shape, const fracture::MassProperties& mass, const Blow& blow,
+                         const Damage& damage, const ImpactPattern& pattern) {
     if (!(damage.radius > 0.0) || damage.pieces == 0) return {};
-    const Shape shape(solid, clusters);
     Maker maker(shape, blow, damage, pattern);
     return pattern.diagram.empty() ? maker.run(mass) : maker.from_diagram();
+}
+
+} // namespace
+
+ImpactSites impact_sites(const fracture::TriangleMesh& solid, const fracture::MassProperties& mass, const Blow& blow,
+                         const Damage& damage, const ImpactPattern& pattern) {
+    return impact_sites(Shape(solid), mass, blow, damage, pattern);
+}
+
+ImpactSites impact_sites(const fracture::ClusterMesh& solid, const fracture::MassProperties& mass, const Blow& blow,
+                         const Damage& damage, const ImpactPattern& pattern) {
+    return impact_sites(Shape(solid), mass, blow, damage, pattern);
 }
 
 std::vector<glm::dvec3> spread_points(std::span<const glm::dvec3> vertices, uint32_t count,

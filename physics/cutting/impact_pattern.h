@@ -91,10 +91,11 @@ struct ImpactSites {
 // The direction of the least moment of inertia, along which splinters run. A unit vector.
 [[nodiscard]] glm::dvec3 longest_axis(const fracture::MassProperties& mass);
 
-// Empty without damage. `clusters` are the solid's, if it has any: with them the cost does not grow with the solid.
+// Empty without damage. The cost of the second one does not grow with the solid.
 [[nodiscard]] ImpactSites impact_sites(const fracture::TriangleMesh& solid, const fracture::MassProperties& mass,
-                                       const Blow& blow, const Damage& damage, const ImpactPattern& pattern,
-                                       const fracture::ClusterMesh& clusters = {});
+                                       const Blow& blow, const Damage& damage, const ImpactPattern& pattern);
+[[nodiscard]] ImpactSites impact_sites(const fracture::ClusterMesh& solid, const fracture::MassProperties& mass,
+                                       const Blow& blow, const Damage& damage, const ImpactPattern& pattern);
 
 // Farthest-point sampling: up to `count` of the vertices, each the farthest from those before it and from `given`.
 // Considers fewer than 8,192 vertices, evenly strided. Fewer points where fewer distinct vertices exist.

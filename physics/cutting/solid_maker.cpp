@@ -1,10 +1,12 @@
 #include "physics/cutting/solid_maker.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 #include <utility>
 
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
 #include "fracture/base/threads.h"
@@ -56,19 +58,57 @@ Result<void> check(const SolidSettings& settings) {
     return {};
 }
 
+namespace {
+
+fracture::Box box_of(const AnchorRegion& region) {
+    if (const auto* ball = std::get_if<Ball>(&region))
+        return {ball->centre - ball->radius, ball->centre + ball->radius};
+    return std::get<fracture::Box>(region);
+}
+
+struct Extent {
+    fracture::Box box;
+    float radius = 0.0f; // m, around the centre of mass
+    bool anchored = false;
+};
+
+Extent extent_of(const SolidSurface& surface, std::span<const AnchorRegion> anchors) {
+    Extent extent{fracture::bounds(surface.mesh), 0.0f,
+                  reaches(anchors, surface.mesh.positions, surface.mesh.triangles)};
+    for (const glm::vec3& p : surface.positions) extent.radius = std::max(extent.radius, glm::length(p));
+    return extent;
+}
+
+bool reaches(const AnchorRegion& region, const fracture::ClusterMesh& surface) {
+    bool reached = false;
+    surface.visit(box_of(region), [&](const fracture::ClusterPtr& cluster) {
+        for (const auto& [a, b, c] : cluster->triangles)
+            reached = reached || reaches(region, cluster->positions[a], cluster->positions[b], cluster->positions[c]);
+    });
+    return reached;
+}
+
+Extent extent_of(const fracture::ClusterMesh& surface, const glm::dvec3& centre,
+                 std::span<const AnchorRegion> anchors) {
+    const fracture::Box box = surface.box();
+    const glm::dvec3 corner = glm::max(centre - box.min, box.max - centre); // the farthest one
+    return {box, static_cast<float>(glm::length(corner)),
+            std::ranges::any_of(anchors, [&](const AnchorRegion& region) { return reaches(region, surface); })};
+}
+
+} // namespace
+
 void finish(SolidPiece& solid, const SolidSettings& settings) {
-    const std::vector<glm::dvec3>& positions = solid.mesh.positions;
-    solid.positions.reserve(positions.size());
-    for (const glm::dvec3& p : positions) {
-        solid.positions.emplace_back(p - solid.mass.centre_of_mass);
-        solid.radius = std::max(solid.radius, glm::length(solid.positions.back()));
-    }
+    const Extent extent = solid.is_clustered() ? extent_of(solid.clusters, solid.mass.centre_of_mass, settings.anchors)
+                                               : extent_of(solid.surface(), settings.anchors);
+    solid.radius = extent.radius;
     Piece piece;
     piece.mass = solid.mass;
     const BodyMass exact = true_mass(piece, settings.material.density);
-    solid.body = is_possible(exact) ? exact : box_mass(positions, settings.material.density);
-    solid.bearable = bearable_force(settings.material, solid.mass.volume, fracture::bounds(solid.mesh));
-    solid.anchored = reaches(settings.anchors, positions, solid.mesh.triangles);
+    const std::array corners{extent.box.min, extent.box.max};
+    solid.body = is_possible(exact) ? exact : box_mass(corners, settings.material.density);
+    solid.bearable = bearable_force(settings.material, solid.mass.volume, extent.box);
+    solid.anchored = extent.anchored;
     solid.breakable = solid.mass.volume >= 2.0 * cube(settings.min_size);
 }
 
@@ -77,35 +117,43 @@ void add_blocks(SolidPiece& solid, const SolidSettings& settings, const std::fun
     const auto anchored = [&](const Fragments& fragments, const Piece& piece) {
         return reaches(settings.anchors, fragments.positions_of(piece), fragments.triangles_of(piece));
     };
-    solid.blocks =
-        held_blocks(solid.mesh, settings.material.density, settings.blocks, anchored, settings.threads, cancelled);
+    solid.blocks = held_blocks(solid.surface().mesh, settings.material.density, settings.blocks, anchored,
+                               settings.threads, cancelled);
 }
 
 void add_clusters(SolidPiece& solid, const SolidSettings& settings) {
-    if (!solid.breakable || solid.mesh.triangles.size() < min_clustered) return;
+    if (!solid.breakable || solid.triangle_count() < min_clustered) return;
     fracture::Threads threads(settings.threads);
-    fracture::ClusterMesh clusters(solid.mesh, tags_of(solid), threads);
+    fracture::ClusterMesh clusters(solid.surface().mesh, tags_of(solid.surface()), threads);
     if (clusters.is_connected()) solid.clusters = std::move(clusters);
 }
 
-std::vector<uint32_t> tags_of(const SolidPiece& solid) {
-    std::vector<uint32_t> tags(solid.source);
-    for (const uint32_t cut : solid.cut) tags.push_back(cut | surface_tag::cut_bit);
+std::vector<uint32_t> tags_of(const SolidSurface& surface) {
+    std::vector<uint32_t> tags(surface.source);
+    for (const uint32_t cut : surface.cut) tags.push_back(cut | surface_tag::cut_bit);
     return tags;
 }
 
-void set_surface(SolidPiece& solid, fracture::TriangleMesh mesh, std::span<const uint32_t> tags) {
-    const std::vector<Triangle> triangles = std::move(mesh.triangles);
-    solid.mesh.positions = std::move(mesh.positions);
-    solid.mesh.triangles.clear();
-    solid.mesh.triangles.reserve(triangles.size());
+SolidSurface surface_of(fracture::TriangleMesh mesh, std::span<const uint32_t> tags, const glm::dvec3& centre_of_mass) {
+    SolidSurface surface;
+    surface.mesh.positions = std::move(mesh.positions);
+    surface.mesh.triangles.reserve(mesh.triangles.size());
     for (const bool exterior : {true, false})
-        for (size_t t = 0; t < triangles.size(); ++t) {
+        for (size_t t = 0; t < mesh.triangles.size(); ++t) {
             if (surface_tag::is_cut(tags[t]) == exterior) continue;
-            solid.mesh.triangles.push_back(triangles[t]);
-            (exterior ? solid.source : solid.cut).push_back(surface_tag::number(tags[t]));
+            surface.mesh.triangles.push_back(mesh.triangles[t]);
+            (exterior ? surface.source : surface.cut).push_back(surface_tag::number(tags[t]));
         }
-    solid.exterior_triangles = static_cast<uint32_t>(solid.source.size());
+    surface.exterior_triangles = static_cast<uint32_t>(surface.source.size());
+    surface.positions.reserve(surface.mesh.positions.size());
+    for (const glm::dvec3& p : surface.mesh.positions) surface.positions.emplace_back(p - centre_of_mass);
+    return surface;
+}
+
+void set_surface(SolidPiece& solid, fracture::TriangleMesh mesh, std::span<const uint32_t> tags) {
+    SolidSurface surface = surface_of(std::move(mesh), tags, solid.mass.centre_of_mass);
+    solid.cut_limit = surface.cut.empty() ? 0 : 1 + *std::ranges::max_element(surface.cut);
+    solid.set_surface(std::move(surface));
 }
 
 SolidPiece solid_from(const Fragments& fragments, const Piece& piece, const CutTags& tags,

@@ -1,7 +1,6 @@
 // The steps that make solids, from meshes and from the pieces of a cut.
 #pragma once
 
-#include <algorithm>
 #include <functional>
 #include <span>
 #include <vector>
@@ -17,7 +16,7 @@ namespace brittle::physics {
 // Fails with invalid_setting on an invalid material or minimum size.
 [[nodiscard]] fracture::Result<void> check(const SolidSettings& settings);
 
-// Fills in all members but parts, clusters and blocks, from mesh, exterior_triangles, source and mass.
+// Fills in radius, body, bearable, anchored and breakable, from the surface or the clusters, and the mass.
 void finish(SolidPiece& solid, const SolidSettings& settings);
 
 // Makes the clusters of a large, breakable, connected solid.
@@ -38,10 +37,14 @@ inline constexpr uint32_t cut_bit = 0x80000000u;
 }
 } // namespace surface_tag
 
-// The tags of a solid's triangles.
-[[nodiscard]] std::vector<uint32_t> tags_of(const SolidPiece& solid);
+// The tags of a surface's triangles.
+[[nodiscard]] std::vector<uint32_t> tags_of(const SolidSurface& surface);
 
-// Sets mesh, exterior_triangles, source and cut from triangles with tags, exterior ones first.
+// Triangles with tags as a surface, exterior ones first.
+[[nodiscard]] SolidSurface surface_of(fracture::TriangleMesh mesh, std::span<const uint32_t> tags,
+                                      const glm::dvec3& centre_of_mass);
+
+// Sets the surface of a solid whose mass is known.
 void set_surface(SolidPiece& solid, fracture::TriangleMesh mesh, std::span<const uint32_t> tags);
 
 // The tags of the triangles of a cut's pieces: those of the triangles that were cut, and a new number a site across a
@@ -50,13 +53,14 @@ class CutTags {
   public:
     // `of_input` are the tags of the triangles that were cut, of the solid `from`.
     CutTags(const fracture::Fragments& fragments, std::span<const uint32_t> of_input, const SolidPiece& from)
-        : fragments_(fragments), of_input_(of_input),
-          first_new_(from.cut.empty() ? 0 : 1 + *std::ranges::max_element(from.cut)) {}
+        : fragments_(fragments), of_input_(of_input), first_new_(from.cut_limit) {}
 
     [[nodiscard]] uint32_t of(uint32_t triangle, bool exterior) const {
         const uint32_t source = fragments_.triangle_source[triangle];
         return exterior ? of_input_[source] : (first_new_ + source) | surface_tag::cut_bit;
     }
+    // Above all numbers of cuts of the pieces, of a cut by so many sites.
+    [[nodiscard]] uint32_t limit(size_t sites) const { return first_new_ + static_cast<uint32_t>(sites); }
 
   private:
     const fracture::Fragments& fragments_;

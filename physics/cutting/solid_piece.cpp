@@ -22,7 +22,36 @@ using fracture::Fragments;
 using fracture::Piece;
 using fracture::Result;
 using fracture::Status;
+
 } // namespace
+
+const SolidSurface& SolidPiece::surface() const {
+    std::call_once(arrays_->made, [&] {
+        std::vector<uint32_t> tags;
+        fracture::TriangleMesh mesh = clusters.flatten(&tags);
+        arrays_->surface = surface_of(std::move(mesh), tags, mass.centre_of_mass);
+    });
+    return arrays_->surface;
+}
+
+void SolidPiece::set_surface(SolidSurface surface) {
+    arrays_ = std::make_shared<Arrays>();
+    std::call_once(arrays_->made, [&] { arrays_->surface = std::move(surface); });
+}
+
+void SolidPiece::drop_cut_data() {
+    (void)surface();
+    arrays_->surface.mesh.positions = {};
+    clusters = {};
+}
+
+size_t SolidPiece::triangle_count() const {
+    return is_clustered() ? clusters.triangle_count() : surface().mesh.triangles.size();
+}
+
+size_t SolidPiece::vertex_count() const {
+    return is_clustered() ? clusters.triangle_count() / 2 + 2 : surface().positions.size();
+}
 
 double bearable_force(const Material& material, double volume, const Box& box) {
     const double side = std::max({box.size().x, box.size().y, box.size().z});
@@ -41,21 +70,23 @@ Result<SolidPtr> make_solid(const fracture::TriangleMesh& mesh, const SolidSetti
     const glm::dvec3 site = fracture::bounds(mesh).centre();
     const Result<Fragments> whole = fracture::fracture(mesh, {&site, 1}, {.threads = settings.threads, .groups = {0}});
     if (!whole) return whole.error();
-    SolidPiece solid;
+    fracture::TriangleMesh surface;
+    std::vector<uint32_t> source;
     for (const Piece& piece : whole->pieces) { // separate components form one object
         const auto positions = whole->positions_of(piece);
-        const auto base = static_cast<uint32_t>(solid.mesh.positions.size());
-        solid.mesh.positions.insert(solid.mesh.positions.end(), positions.begin(), positions.end());
+        const auto base = static_cast<uint32_t>(surface.positions.size());
+        surface.positions.insert(surface.positions.end(), positions.begin(), positions.end());
         for (uint32_t t = piece.triangles.begin; t < piece.triangles.end; ++t) {
-            solid.mesh.triangles.push_back(whole->triangles[t] + base);
-            solid.source.push_back(whole->triangle_source[t]);
+            surface.triangles.push_back(whole->triangles[t] + base);
+            source.push_back(whole->triangle_source[t]);
         }
     }
-    solid.exterior_triangles = static_cast<uint32_t>(solid.mesh.triangles.size());
-    solid.mass = fracture::mass_properties(solid.mesh.positions, solid.mesh.triangles);
-    finish(solid, settings);
-    solid.parts = convex_parts(solid.mesh.positions, solid.mesh.triangles, solid.mass.volume, solid.mass.centre_of_mass,
+    SolidPiece solid;
+    solid.mass = fracture::mass_properties(surface.positions, surface.triangles);
+    solid.parts = convex_parts(surface.positions, surface.triangles, solid.mass.volume, solid.mass.centre_of_mass,
                                settings.parts);
+    set_surface(solid, std::move(surface), source);
+    finish(solid, settings);
     add_clusters(solid, settings);
     add_blocks(solid, settings);
     return std::make_shared<const SolidPiece>(std::move(solid));
@@ -65,15 +96,14 @@ namespace {
 
 // The solid of a piece, without parts and blocks.
 SolidPiece copy_of(const Fragments& fragments, const Piece& piece, const SolidSettings& settings) {
-    SolidPiece solid;
     const auto positions = fragments.positions_of(piece);
     const auto triangles = fragments.triangles_of(piece);
-    solid.mesh = {{positions.begin(), positions.end()}, {triangles.begin(), triangles.end()}};
-    solid.exterior_triangles = piece.exterior_triangles;
     const auto source = fragments.triangle_source.begin() + piece.triangles.begin;
-    solid.source.assign(source, source + piece.exterior_triangles);
-    solid.cut.assign(source + piece.exterior_triangles, source + piece.triangles.size());
+    std::vector<uint32_t> tags(source, source + piece.triangles.size());
+    for (size_t k = piece.exterior_triangles; k < tags.size(); ++k) tags[k] |= surface_tag::cut_bit;
+    SolidPiece solid;
     solid.mass = piece.mass;
+    set_surface(solid, {{positions.begin(), positions.end()}, {triangles.begin(), triangles.end()}}, tags);
     finish(solid, settings);
     return solid;
 }

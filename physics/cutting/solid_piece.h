@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <span>
 #include <vector>
 
@@ -46,23 +47,46 @@ struct SolidSettings {
     uint32_t threads = 1; // of one cut; the jobs of a Destruction use one each
 };
 
-struct SolidPiece {
-    fracture::TriangleMesh mesh{};   // closed; an unbreakable piece keeps its triangles and drops its positions
-    uint32_t exterior_triangles = 0; // the leading triangles, which lie on the surface of the unbroken object
-    std::vector<uint32_t> source{};  // by exterior triangle: the triangle of the unbroken object that holds it
-    std::vector<uint32_t> cut{};     // by interior triangle: a number that all triangles of one cut share
-    // The same triangles, tagged (solid_maker.h), so that a blow costs what it breaks; only of large, breakable solids
-    // of one surface.
-    fracture::ClusterMesh clusters{};
+// The surface of a solid as arrays.
+struct SolidSurface {
+    fracture::TriangleMesh mesh{};      // closed; an unbreakable piece keeps its triangles and drops its positions
+    uint32_t exterior_triangles = 0;    // the leading triangles, which lie on the surface of the unbroken object
+    std::vector<uint32_t> source{};     // by exterior triangle: the triangle of the unbroken object that holds it
+    std::vector<uint32_t> cut{};        // by interior triangle: a number that all triangles of one cut share
     std::vector<glm::vec3> positions{}; // of the vertices, relative to the centre of mass, for drawing
-    fracture::MassProperties mass{};    // at density 1
-    BodyMass body{};                    // kg
-    std::vector<BodyPart> parts{};      // collision hulls, relative to the centre of mass
-    float radius = 0.0f;                // m, around the centre of mass
-    double bearable = 0.0;              // N, see bearable_force()
+};
+
+class SolidPiece {
+  public:
+    // The surface. The first call makes the arrays of a solid that has only clusters; from any thread.
+    [[nodiscard]] const SolidSurface& surface() const;
+    // Both before the solid is shared. Only cuts need the exact positions and the clusters.
+    void set_surface(SolidSurface surface);
+    void drop_cut_data();
+    // What follows costs no arrays. A surface of clusters counts as many vertices as a ball of its triangles has.
+    [[nodiscard]] size_t triangle_count() const;
+    [[nodiscard]] size_t vertex_count() const;
+    [[nodiscard]] bool is_clustered() const { return clusters.triangle_count() > 0; }
+
+    // The surface in clusters, tagged (solid_maker.h), so that a blow costs what it breaks; only of large, breakable
+    // solids of one surface.
+    fracture::ClusterMesh clusters{};
+    uint32_t cut_limit = 0;          // above all numbers of cuts
+    fracture::MassProperties mass{}; // at density 1
+    BodyMass body{};                 // kg
+    std::vector<BodyPart> parts{};   // collision hulls, relative to the centre of mass
+    float radius = 0.0f;             // m, of a ball around the centre of mass that holds the solid
+    double bearable = 0.0;           // N, see bearable_force()
     bool anchored = false;
     bool breakable = false;                     // large enough for a cut
     std::shared_ptr<const HeldBlocks> blocks{}; // for loads; null unless the piece is anchored and breakable
+
+  private:
+    struct Arrays {
+        std::once_flag made;
+        SolidSurface surface;
+    };
+    std::shared_ptr<Arrays> arrays_ = std::make_shared<Arrays>(); // copies of a solid share them
 };
 
 using SolidPtr = std::shared_ptr<const SolidPiece>;

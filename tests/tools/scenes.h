@@ -90,9 +90,9 @@ inline void check_pieces(const physics::Destruction& destruction, double whole) 
     double sum = 0.0;
     for (const physics::PieceId id : destruction.pieces()) {
         const physics::SolidPiece& piece = *destruction.solid(id);
-        CHECK(fracture::check_topology(piece.positions.size(), piece.mesh.triangles).closed());
-        const std::vector<glm::dvec3> positions(piece.positions.begin(), piece.positions.end());
-        const double volume = fracture::signed_volume(positions, piece.mesh.triangles);
+        CHECK(fracture::check_topology(piece.surface().positions.size(), piece.surface().mesh.triangles).closed());
+        const std::vector<glm::dvec3> positions(piece.surface().positions.begin(), piece.surface().positions.end());
+        const double volume = fracture::signed_volume(positions, piece.surface().mesh.triangles);
         CHECK(volume > 0.0);
         sum += volume;
     }

@@ -64,7 +64,7 @@ PlannedCut blow_to(const SolidPtr& solid, const std::shared_ptr<const BreakableD
 }
 
 glm::dvec3 place_on(const SolidPiece& solid, uint64_t number) {
-    return solid.mesh.positions[(number * 7919 + 101) * 104'729 % solid.mesh.positions.size()];
+    return solid.surface().mesh.positions[(number * 7919 + 101) * 104'729 % solid.surface().mesh.positions.size()];
 }
 
 double milliseconds(Clock::duration duration) {

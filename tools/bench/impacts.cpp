@@ -115,7 +115,7 @@ double reach_of(const Destruction& destruction, const glm::dvec3& at) {
     double reach = 0.0;
     for (const SolidPtr& solid : solids)
         if (solid != *rest)
-            for (const glm::vec3& p : solid->positions)
+            for (const glm::vec3& p : solid->surface().positions)
                 reach = std::max(reach, glm::distance(at, solid->mass.centre_of_mass + glm::dvec3(p)));
     return reach;
 }

@@ -44,9 +44,9 @@ uint64_t hash_of(const World& world, const Destruction& destruction) {
         add(destruction.depth(piece));
         const SolidPiece& solid = *destruction.solid(piece);
         add(std::bit_cast<uint64_t>(solid.mass.volume));
-        for (const glm::vec3& p : solid.positions)
+        for (const glm::vec3& p : solid.surface().positions)
             for (int axis = 0; axis < 3; ++axis) add(std::bit_cast<uint32_t>(p[axis]));
-        for (const fracture::Triangle& t : solid.mesh.triangles) add(t.x), add(t.y), add(t.z);
+        for (const fracture::Triangle& t : solid.surface().mesh.triangles) add(t.x), add(t.y), add(t.z);
     }
     return hash;
 }
@@ -337,10 +337,10 @@ namespace {
 std::pair<double, double> chip_and_rest(const PlannedCut& cut) {
     ImpactPattern pattern = cut.desc->pattern;
     pattern.seed = cut.seed;
-    ImpactSites sites = impact_sites(cut.solid->mesh, cut.solid->mass, cut.blow, cut.damage, pattern);
+    ImpactSites sites = impact_sites(cut.solid->surface().mesh, cut.solid->mass, cut.blow, cut.damage, pattern);
     fracture::Settings settings;
     for (const uint32_t group : sites.groups) settings.groups.push_back(group < sites.rest ? 0 : 1);
-    const auto parts = fracture::fracture(cut.solid->mesh, sites.sites, settings);
+    const auto parts = fracture::fracture(cut.solid->surface().mesh, sites.sites, settings);
     REQUIRE(parts);
     double chip = 0.0, rest = 0.0;
     for (const fracture::Piece& part : parts->pieces) {
@@ -473,7 +473,7 @@ TEST_CASE("destruction: commits a step and bodies a job stay within their limits
             CHECK(world.body_count() <= bodies + destruction.commits().size() * desc.max_pieces);
             size_t vertices = 0;
             for (const PieceAdded& added : destruction.take_events().added) {
-                vertices += added.solid->positions.size();
+                vertices += added.solid->surface().positions.size();
                 CHECK_FALSE(added.solid->parts.empty()); // made by the job
                 CHECK(added.solid->body.mass > 0.0);
             }

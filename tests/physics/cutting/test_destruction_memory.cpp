@@ -73,7 +73,7 @@ TEST_CASE("destruction: large solids and unclaimed payloads are freed on other t
     wait_for(1); // the solid; the payload has another owner
 
     desc.payload = [&](const SolidPiece& solid) {
-        return solid.mesh.triangles.size() > 15'000 ? std::make_unique<Noted>(note) : nullptr;
+        return solid.triangle_count() > 15'000 ? std::make_unique<Noted>(note) : nullptr;
     };
     const ObjectId unclaimed = *destruction.add(world, whole(), desc);
     destruction.remove(world, unclaimed);

@@ -33,7 +33,7 @@ bool on_rim(const glm::dvec3& p) {
 
 std::vector<glm::dvec3> points_of(const SolidPiece& solid) {
     std::vector<glm::dvec3> points;
-    for (const glm::vec3& p : solid.positions) points.push_back(solid.mass.centre_of_mass + glm::dvec3(p));
+    for (const glm::vec3& p : solid.surface().positions) points.push_back(solid.mass.centre_of_mass + glm::dvec3(p));
     return points;
 }
 
@@ -60,8 +60,8 @@ Cracks cracks_of(double energy, const glm::dvec3& at, uint64_t seed, double forc
         const std::vector<glm::dvec3> points = points_of(*piece);
         cracks.at_rim += std::ranges::any_of(points, on_rim);
         cracks.largest = std::max(cracks.largest, piece->mass.volume / (8.0 * half.x * half.y * half.z));
-        for (size_t t = piece->exterior_triangles; t < piece->mesh.triangles.size(); ++t) {
-            const fracture::Triangle& corners = piece->mesh.triangles[t];
+        for (size_t t = piece->surface().exterior_triangles; t < piece->surface().mesh.triangles.size(); ++t) {
+            const fracture::Triangle& corners = piece->surface().mesh.triangles[t];
             const glm::dvec3 a = points[corners[0]], b = points[corners[1]], c = points[corners[2]];
             if (!on_rim(a) && !on_rim(b) && !on_rim(c)) continue;
             const glm::dvec3 normal = glm::cross(b - a, c - a);
@@ -157,8 +157,9 @@ TEST_CASE("glass cracks: those of a second blow end at those of the first") {
             // Does it touch a crack of the first blow, a plane of an interior triangle of the shard?
             bool touches = false;
             const std::vector<glm::dvec3> old = points_of(*struck), now = points_of(part);
-            for (size_t t = struck->exterior_triangles; t < struck->mesh.triangles.size() && !touches; ++t) {
-                const fracture::Triangle& corners = struck->mesh.triangles[t];
+            for (size_t t = struck->surface().exterior_triangles;
+                 t < struck->surface().mesh.triangles.size() && !touches; ++t) {
+                const fracture::Triangle& corners = struck->surface().mesh.triangles[t];
                 const glm::dvec3 normal =
                     glm::cross(old[corners[1]] - old[corners[0]], old[corners[2]] - old[corners[0]]);
                 if (glm::length(normal) < 1e-6) continue;

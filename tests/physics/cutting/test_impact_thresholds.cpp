@@ -22,8 +22,9 @@ namespace {
 double crack_area(const SolidPiece& whole, const std::vector<SolidPtr>& pieces) {
     const auto area_of = [](const SolidPiece& solid) {
         double area = 0.0;
-        for (const fracture::Triangle& t : solid.mesh.triangles) {
-            const glm::dvec3 a(solid.positions[t[0]]), b(solid.positions[t[1]]), c(solid.positions[t[2]]);
+        for (const fracture::Triangle& t : solid.surface().mesh.triangles) {
+            const glm::dvec3 a(solid.surface().positions[t[0]]), b(solid.surface().positions[t[1]]),
+                c(solid.surface().positions[t[2]]);
             area += 0.5 * glm::length(glm::cross(b - a, c - a));
         }
         return area;

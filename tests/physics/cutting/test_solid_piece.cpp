@@ -30,7 +30,7 @@ SolidPtr must_make(const fracture::TriangleMesh& mesh, const SolidSettings& sett
 
 std::vector<SolidPtr> must_break(const SolidPiece& solid, uint32_t count, uint64_t seed,
                                  const SolidSettings& settings) {
-    const auto sites = fracture::uniform_sites(fracture::bounds(solid.mesh), count, seed);
+    const auto sites = fracture::uniform_sites(fracture::bounds(solid.surface().mesh), count, seed);
     std::vector<uint32_t> groups;
     for (uint32_t i = 0; i < count; ++i) groups.push_back(i);
     const auto pieces = break_solid(solid, sites, groups, settings);
@@ -77,19 +77,19 @@ TEST_CASE("solid piece: after three levels pieces are closed, volumes sum to the
         std::set<uint32_t> sources;
         for (const SolidPtr& piece : pieces) {
             REQUIRE(piece->breakable);
-            const fracture::TriangleMesh& m = piece->mesh;
+            const fracture::TriangleMesh& m = piece->surface().mesh;
             CHECK(fracture::check_topology(m.positions.size(), m.triangles).manifold());
             sum += fracture::signed_volume(m.positions, m.triangles);
-            CHECK(piece->source.size() == piece->exterior_triangles);
-            CHECK(piece->positions.size() == m.positions.size());
+            CHECK(piece->surface().source.size() == piece->surface().exterior_triangles);
+            CHECK(piece->surface().positions.size() == m.positions.size());
             CHECK_FALSE(piece->parts.empty());
-            for (uint32_t k = 0; k < piece->exterior_triangles; ++k) {
+            for (uint32_t k = 0; k < piece->surface().exterior_triangles; ++k) {
                 const glm::dvec3 a = m.positions[m.triangles[k].x], b = m.positions[m.triangles[k].y],
                                  c = m.positions[m.triangles[k].z];
                 exterior += 0.5 * glm::length(glm::cross(b - a, c - a));
                 // The exterior triangle lies in the plane of its source triangle.
-                const fracture::Triangle& from = mesh.triangles[piece->source[k]];
-                sources.insert(piece->source[k]);
+                const fracture::Triangle& from = mesh.triangles[piece->surface().source[k]];
+                sources.insert(piece->surface().source[k]);
                 const glm::dvec3 p = mesh.positions[from.x];
                 const glm::dvec3 n = glm::cross(mesh.positions[from.y] - p, mesh.positions[from.z] - p);
                 if (glm::length(n) > 1e-9)
@@ -119,10 +119,10 @@ TEST_CASE("solid piece: rough pieces of rough pieces are closed, and volumes and
         for (const SolidPtr& piece : pieces) {
             volume += piece->mass.volume;
             if (!piece->breakable) continue;
-            const fracture::TriangleMesh& m = piece->mesh;
+            const fracture::TriangleMesh& m = piece->surface().mesh;
             CHECK(fracture::check_topology(m.positions.size(), m.triangles).manifold());
             CHECK(fracture::signed_volume(m.positions, m.triangles) == doctest::Approx(piece->mass.volume));
-            for (const fracture::Triangle& t : std::span(m.triangles).first(piece->exterior_triangles))
+            for (const fracture::Triangle& t : std::span(m.triangles).first(piece->surface().exterior_triangles))
                 exterior +=
                     0.5
                     * glm::length(glm::cross(m.positions[t.y] - m.positions[t.x], m.positions[t.z] - m.positions[t.x]));
@@ -135,7 +135,7 @@ TEST_CASE("solid piece: rough pieces of rough pieces are closed, and volumes and
 
 TEST_CASE("solid piece: cuts keep numbers of their own through later cuts") {
     const SolidPtr whole = must_make(fracture::cube(1.0));
-    CHECK(whole->cut.empty());
+    CHECK(whole->surface().cut.empty());
     const SolidSettings settings{.min_size = 0.01};
     std::vector<SolidPtr> pieces{whole};
     for (uint64_t level = 1; level <= 3; ++level) {
@@ -145,19 +145,19 @@ TEST_CASE("solid piece: cuts keep numbers of their own through later cuts") {
         pieces = std::move(next);
         size_t most = 0;
         for (const SolidPtr& piece : pieces) {
-            const fracture::TriangleMesh& mesh = piece->mesh;
-            REQUIRE(piece->cut.size() == mesh.triangles.size() - piece->exterior_triangles);
+            const fracture::TriangleMesh& mesh = piece->surface().mesh;
+            REQUIRE(piece->surface().cut.size() == mesh.triangles.size() - piece->surface().exterior_triangles);
             if (!piece->breakable) continue;        // without positions
             std::map<uint32_t, glm::dvec3> normals; // every cell is convex, so each of its cuts has a direction
-            for (size_t k = 0; k < piece->cut.size(); ++k) {
-                const fracture::Triangle& t = mesh.triangles[piece->exterior_triangles + k];
+            for (size_t k = 0; k < piece->surface().cut.size(); ++k) {
+                const fracture::Triangle& t = mesh.triangles[piece->surface().exterior_triangles + k];
                 const glm::dvec3 area =
                     glm::cross(mesh.positions[t.y] - mesh.positions[t.x], mesh.positions[t.z] - mesh.positions[t.x]);
                 if (glm::length(area) < 1e-9) continue;
-                const auto [known, is_new] = normals.emplace(piece->cut[k], glm::normalize(area));
+                const auto [known, is_new] = normals.emplace(piece->surface().cut[k], glm::normalize(area));
                 CHECK(glm::distance(known->second, glm::normalize(area)) < 1e-5);
                 for (const auto& [number, other] : normals)
-                    if (number != piece->cut[k]) CHECK(glm::distance(other, glm::normalize(area)) > 1e-5);
+                    if (number != piece->surface().cut[k]) CHECK(glm::distance(other, glm::normalize(area)) > 1e-5);
             }
             most = std::max(most, normals.size());
         }
@@ -170,7 +170,7 @@ TEST_CASE("solid piece: where the pieces of a blow are hardly larger than the mi
     const auto triangles = [&](double min_size, double amount) {
         size_t sum = 0;
         for (const SolidPtr& piece : must_break(*whole, 20, 1, {.min_size = min_size, .rough = {.amount = amount}}))
-            sum += piece->mesh.triangles.size();
+            sum += piece->surface().mesh.triangles.size();
         return sum;
     };
     CHECK(triangles(0.02, 1.0) > 4 * triangles(0.02, 0.0));
@@ -234,7 +234,7 @@ TEST_CASE("solid piece: none is below the minimum size, and a solid too small fo
     for (const SolidPtr& piece : pieces) {
         CHECK(std::cbrt(piece->mass.volume) >= 0.3);
         CHECK(piece->breakable == (piece->mass.volume >= 2.0 * 0.027));
-        CHECK(piece->mesh.positions.empty() != piece->breakable);
+        CHECK(piece->surface().mesh.positions.empty() != piece->breakable);
     }
     CHECK_FALSE(must_make(fracture::cube(0.37), settings)->breakable); // 0.0507 m^3, below twice the minimum of 0.027
 }
@@ -242,7 +242,7 @@ TEST_CASE("solid piece: none is below the minimum size, and a solid too small fo
 TEST_CASE("solid piece: a group is one piece with a hull for each cell, and hulls of pieces do not overlap") {
     const SolidSettings settings{.min_size = 0.01};
     const SolidPtr cube = must_make(fracture::cube(1.0), settings);
-    const auto sites = fracture::uniform_sites(fracture::bounds(cube->mesh), 30, 3);
+    const auto sites = fracture::uniform_sites(fracture::bounds(cube->surface().mesh), 30, 3);
     std::vector<uint32_t> groups(30, 20);
     for (uint32_t i = 0; i < 20; ++i) groups[i] = i;
     const auto pieces = break_solid(*cube, sites, groups, settings);
@@ -316,7 +316,8 @@ TEST_CASE("solid piece: rough pieces that are cut again along the cuts that they
             pieces.insert(pieces.end(), broken->begin(), broken->end());
         }
         for (const SolidPtr& piece : pieces) {
-            const auto report = fracture::check_topology(piece->positions.size(), piece->mesh.triangles);
+            const auto report =
+                fracture::check_topology(piece->surface().positions.size(), piece->surface().mesh.triangles);
             CHECK(fracture::describe(report) == "");
         }
         solids.clear();

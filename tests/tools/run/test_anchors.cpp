@@ -125,7 +125,7 @@ TEST_CASE("anchors: the part of a shot breakable pane that still reaches an anch
     for (const physics::PieceId id : destruction.pieces()) {
         const physics::SolidPiece& piece = *destruction.solid(id);
         bool touches = false;
-        for (const glm::vec3& p : piece.positions)
+        for (const glm::vec3& p : piece.surface().positions)
             for (const Anchor& anchor : upper_corners)
                 touches = touches
                           || glm::distance(glm::dvec3(p) + piece.mass.centre_of_mass,

@@ -125,8 +125,10 @@ TEST_CASE("breakable: blows cut along a diagram from a file, fitted to the piece
         int cuts = 0;
         for (const physics::PieceId id : destruction.pieces()) {
             const physics::SolidPiece& piece = *destruction.solid(id);
-            for (size_t k = piece.exterior_triangles; k < piece.mesh.triangles.size(); ++k) {
-                const auto corner = [&](int c) { return glm::dvec3(piece.positions[piece.mesh.triangles[k][c]]); };
+            for (size_t k = piece.surface().exterior_triangles; k < piece.surface().mesh.triangles.size(); ++k) {
+                const auto corner = [&](int c) {
+                    return glm::dvec3(piece.surface().positions[piece.surface().mesh.triangles[k][c]]);
+                };
                 const glm::dvec3 across = glm::cross(corner(1) - corner(0), corner(2) - corner(0));
                 if (glm::length(across) < 1e-5) continue; // m^2; positions for drawing have single precision
                 CHECK(std::abs(across.y / glm::length(across)) == doctest::Approx(laid_down ? 0.0 : 1.0).epsilon(1e-3));

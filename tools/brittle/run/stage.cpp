@@ -30,9 +30,10 @@ uint32_t packed(const glm::vec3& linear) {
 // stage takes over the result when the piece appears.
 physics::PayloadMaker drawing_maker(const engine::Renderer& renderer) {
     return [&renderer](const physics::SolidPiece& solid) {
-        const engine::PieceMesh mesh{.positions = solid.positions,
-                                     .triangles = solid.mesh.triangles,
-                                     .exterior_triangles = solid.exterior_triangles};
+        const physics::SolidSurface& surface = solid.surface();
+        const engine::PieceMesh mesh{.positions = surface.positions,
+                                     .triangles = surface.mesh.triangles,
+                                     .exterior_triangles = surface.exterior_triangles};
         auto drawing = std::make_unique<PieceDrawing>();
         drawing->batch = must(engine::PieceBatch::create({&mesh, 1}));
         renderer.stage(drawing->batch);

@@ -80,23 +80,24 @@ class Builder {
 
   private:
     void add_solid(uint32_t number, const physics::SolidPiece& solid) {
+        const physics::SolidSurface& surface = solid.surface();
         fracture::Fragments& to = made_.fragments;
         fracture::Piece piece{.site = number,
                               .vertices = {vertices(), 0},
                               .triangles = {triangles(), 0},
-                              .exterior_triangles = solid.exterior_triangles,
+                              .exterior_triangles = surface.exterior_triangles,
                               .mass = in_file(solid.mass)};
         const glm::dvec3 centre = solid.mass.centre_of_mass;
-        for (size_t v = 0; v < solid.positions.size(); ++v) {
-            const bool kept = !solid.mesh.positions.empty(); // positions in double precision are available
+        for (size_t v = 0; v < surface.positions.size(); ++v) {
+            const bool kept = !surface.mesh.positions.empty(); // positions in double precision are available
             to.positions.push_back(
-                placement_.to_file(kept ? solid.mesh.positions[v] : centre + glm::dvec3(solid.positions[v])));
+                placement_.to_file(kept ? surface.mesh.positions[v] : centre + glm::dvec3(surface.positions[v])));
             to.vertex_point.push_back(first_cut_point + vertices() - 1);
         }
-        to.triangles.insert(to.triangles.end(), solid.mesh.triangles.begin(), solid.mesh.triangles.end());
-        to.triangle_source.insert(to.triangle_source.end(), solid.source.begin(), solid.source.end());
+        to.triangles.insert(to.triangles.end(), surface.mesh.triangles.begin(), surface.mesh.triangles.end());
+        to.triangle_source.insert(to.triangle_source.end(), surface.source.begin(), surface.source.end());
         // Only tells the cuts apart: the piece across is no longer known.
-        to.triangle_source.insert(to.triangle_source.end(), solid.cut.begin(), solid.cut.end());
+        to.triangle_source.insert(to.triangle_source.end(), surface.cut.begin(), surface.cut.end());
         finish(piece);
     }
 

@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
 
+#include "fracture/local/cluster_queries.h"
 #include "fracture/mesh/triangle_tree.h"
 #include "physics/cutting/impact_pattern.h"
 
@@ -52,7 +53,7 @@ double PieceView::volume(uint32_t piece) const {
 
 size_t PieceView::triangles(uint32_t piece) const {
     const physics::SolidPiece* own = solid(piece);
-    return own ? own->mesh.triangles.size() : fragments.pieces[piece].triangles.size();
+    return own ? own->triangle_count() : fragments.pieces[piece].triangles.size();
 }
 
 float PieceView::radius(uint32_t piece) const {
@@ -71,8 +72,15 @@ std::optional<engine::Bounds> PieceView::bounds(uint32_t piece) const {
 std::optional<double> PieceView::distance_to(uint32_t piece, const glm::dvec3& from,
                                              const glm::dvec3& direction) const {
     if (const physics::SolidPiece* own = solid(piece)) {
-        const std::vector<glm::dvec3> positions(own->positions.begin(), own->positions.end());
-        return fracture::first_hit(positions, own->mesh.triangles, from, direction);
+        if (own->is_clustered()) {
+            const glm::dvec3 start = own->mass.centre_of_mass + from;
+            const double reach = glm::length(from) + double{own->radius};
+            const std::optional<double> share = fracture::first_hit(own->clusters, start, start + reach * direction);
+            return share ? std::optional(*share * reach) : std::nullopt;
+        }
+        const physics::SolidSurface& surface = own->surface();
+        const std::vector<glm::dvec3> positions(surface.positions.begin(), surface.positions.end());
+        return fracture::first_hit(positions, surface.mesh.triangles, from, direction);
     }
     const fracture::Piece& fragment = fragments.pieces[piece];
     return fracture::first_hit(fragments.positions_of(fragment), fragments.triangles_of(fragment),
