@@ -23,15 +23,16 @@ void main() {
     vec3 centre = transform_point(pose, draw.sphere.xyz, origin);
     bool visible = scale != 0.0 && intersects_frustum(clip, centre, centre, draw.sphere.w * scale);
 
-    bool first_of_piece = i == 0 || draws[i - 1].piece != draw.piece;
+    // The ranges of a piece follow each other, and share their vertices.
     DrawCommand command = all[i];
+    bool first_of_piece = i == 0 || all[i - 1].first_vertex != command.first_vertex;
     if (!visible) command.instances = 0;
     if (view == view_camera) {
         for_camera[i] = command;
     } else {
         // A shadow has no material, so the piece's two consecutive ranges are merged into one draw.
         if (!first_of_piece) command.instances = 0;
-        else if (i + 1 < all.length() && draws[i + 1].piece == draw.piece) command.indices += all[i + 1].indices;
+        else if (i + 1 < all.length() && all[i + 1].first_vertex == command.first_vertex) command.indices += all[i + 1].indices;
         for_light[i] = command;
     }
     if (visible && first_of_piece) atomicAdd(visible_counts[view], 1);

@@ -25,6 +25,11 @@ vec3 transform_point(Pose pose, vec3 position, vec3 origin) {
     return rotate(pose.rotation, position * pose.position_and_scale.w) + (pose.position_and_scale.xyz - origin);
 }
 
+// Transforms a vertex of a draw range to world space, relative to `origin`.
+vec3 transform_vertex(DrawData draw, vec3 position, vec3 origin) {
+    return transform_point(poses[draw.body], position + draw.offset.xyz, origin);
+}
+
 // Returns the albedo of a draw range in linear light; alpha is the piece's opacity.
 vec4 albedo_of(DrawData draw) {
     vec4 material = frame.materials[draw.material];

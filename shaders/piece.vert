@@ -9,7 +9,7 @@ layout(location = 1) flat out vec4 albedo;
 
 void main() {
     DrawData draw = draws[gl_InstanceIndex];
-    from_eye = transform_point(poses[draw.body], position, frame.eye.xyz);
+    from_eye = transform_vertex(draw, position, frame.eye.xyz);
     albedo = albedo_of(draw);
     gl_Position = frame.clip_from_eye * vec4(from_eye, 1.0);
 }

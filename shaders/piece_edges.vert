@@ -8,5 +8,5 @@ layout(location = 0) flat out vec4 srgb;
 
 void main() {
     srgb = vec4(0.10, 0.11, 0.13, 1.0);
-    gl_Position = line_position(transform_point(poses[draws[gl_InstanceIndex].body], position, frame.eye.xyz));
+    gl_Position = line_position(transform_vertex(draws[gl_InstanceIndex], position, frame.eye.xyz));
 }

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Handles of the pieces, PieceHandle::number; 0 in pixels without a piece.
+// Ids of the pieces; 0 in pixels without a piece.
 #include "frame.glsl"
 
 layout(location = 0) in vec3 position;
@@ -9,7 +9,7 @@ layout(location = 1) flat out float opacity;
 
 void main() {
     DrawData draw = draws[gl_InstanceIndex];
-    id = draw.piece;
+    id = draw.id;
     opacity = unpackUnorm4x8(draw.tint).a;
-    gl_Position = frame.clip_from_eye * vec4(transform_point(poses[draw.body], position, frame.eye.xyz), 1.0);
+    gl_Position = frame.clip_from_eye * vec4(transform_vertex(draw, position, frame.eye.xyz), 1.0);
 }

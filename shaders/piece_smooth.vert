@@ -11,9 +11,8 @@ layout(location = 2) out vec3 smooth_normal;
 
 void main() {
     DrawData draw = draws[gl_InstanceIndex];
-    Pose pose = poses[draw.body];
-    from_eye = transform_point(pose, position, frame.eye.xyz);
+    from_eye = transform_vertex(draw, position, frame.eye.xyz);
     albedo = albedo_of(draw);
-    smooth_normal = draw.material == material_exterior ? rotate(pose.rotation, normal) : vec3(0.0);
+    smooth_normal = draw.material == material_exterior ? rotate(poses[draw.body].rotation, normal) : vec3(0.0);
     gl_Position = frame.clip_from_eye * vec4(from_eye, 1.0);
 }

@@ -6,6 +6,6 @@
 layout(location = 0) in vec3 position;
 
 void main() {
-    vec3 world = transform_point(poses[draws[gl_InstanceIndex].body], position, vec3(0.0));
+    vec3 world = transform_vertex(draws[gl_InstanceIndex], position, vec3(0.0));
     gl_Position = frame.shadow_clip_from_world * vec4(world, 1.0);
 }

@@ -75,8 +75,9 @@ struct DrawData {
     uint body; // index of its Pose
     uint material;
     uint tint;   // linear, packed by packUnorm4x8; alpha: opacity, below 1 for a fading piece
-    uint piece;  // PieceHandle::number
+    uint id;     // what a picture of ids shows
     vec4 sphere; // bounding sphere of the piece in its body's frame: centre, radius
+    vec4 offset; // xyz: from the body's centre of mass to the origin of the positions, in the body's frame
 };
 
 struct DrawCommand { // VkDrawIndexedIndirectCommand
@@ -90,7 +91,7 @@ struct DrawCommand { // VkDrawIndexedIndirectCommand
 #ifdef __cplusplus
 static_assert(sizeof(FrameData) == 4 * 64 + 13 * 16);
 static_assert(sizeof(Pose) == 32);
-static_assert(sizeof(DrawData) == 32);
+static_assert(sizeof(DrawData) == 48);
 static_assert(sizeof(DrawCommand) == 20);
 } // namespace brittle::engine::shared
 #endif

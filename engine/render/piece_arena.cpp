@@ -8,6 +8,7 @@
 #include <string>
 
 #include <glm/geometric.hpp>
+#include <glm/packing.hpp>
 
 #include "engine/gpu/device.h"
 
@@ -92,17 +93,21 @@ void PieceArena::Allocators::free(const Piece& piece) {
     indices.free(piece.index, piece.batch.indices());
 }
 
+// Returns why the device cannot draw pieces of a body; empty if it can.
+std::string PieceArena::fault_of_body(uint32_t body) const {
+    const uint64_t max_bodies = device_.limits().maxStorageBufferRange / sizeof(shared::Pose);
+    if (body < max_bodies) return {};
+    return "its body is number " + std::to_string(body) + ", the device takes " + std::to_string(max_bodies)
+           + " bodies";
+}
+
 Result<void> PieceArena::check(std::span<const PieceBatch> batches, size_t others) const {
     const uint64_t storage = device_.limits().maxStorageBufferRange;
-    const uint64_t max_bodies = storage / sizeof(shared::Pose);
     uint64_t added = 0;
     for (const PieceBatch& batch : batches)
         for (const PieceBatch::Piece& piece : batch.pieces()) {
-            if (piece.body >= max_bodies)
-                return Error{Status::invalid_argument, "cannot draw piece " + std::to_string(added)
-                                                           + ": its body is number " + std::to_string(piece.body)
-                                                           + ", the device takes " + std::to_string(max_bodies)
-                                                           + " bodies"};
+            if (const std::string fault = fault_of_body(piece.attachment.body); !fault.empty())
+                return Error{Status::invalid_argument, "cannot draw piece " + std::to_string(added) + ": " + fault};
             ++added;
         }
     const uint64_t all = others + added;
@@ -232,12 +237,22 @@ Result<void> PieceArena::fade(std::span<const PieceHandle> handles, float fade) 
     return {};
 }
 
+Result<void> PieceArena::attach(std::span<const PieceHandle> handles, const PieceAttachment& attachment) {
+    if (const std::string fault = fault_of_body(attachment.body); !fault.empty())
+        return Error{Status::invalid_argument, "cannot attach pieces: " + fault};
+    Result<std::vector<size_t>> found = find(handles);
+    if (!found) return found.error();
+    for (const size_t i : *found) pieces_[i].batch.attachment = attachment;
+    update_totals();
+    return {};
+}
+
 // Recomputes the totals over all pieces, after each change.
 void PieceArena::update_totals() {
     bodies_ = draws_ = solid_draws_ = 0;
     triangles_ = 0;
     for (const Piece& piece : pieces_) {
-        bodies_ = std::max(bodies_, piece.batch.body + 1);
+        bodies_ = std::max(bodies_, piece.batch.attachment.body + 1);
         triangles_ += piece.batch.indices() / 3;
         const uint32_t ranges = (piece.batch.exterior_indices > 0) + (piece.batch.interior_indices > 0);
         if (piece.opacity > 0) draws_ += ranges;
@@ -249,11 +264,14 @@ void PieceArena::update_totals() {
 void PieceArena::write_piece(const Piece& piece, const DrawLists& lists, DrawCursors& cursors) {
     if (piece.opacity == 0) return;
     uint32_t& next = piece.opacity == solid ? cursors.solid : cursors.fading;
+    const PieceAttachment& attachment = piece.batch.attachment;
+    const uint32_t tint = glm::packUnorm4x8(glm::vec4(attachment.tint, 0.0f)) | piece.opacity << 24;
+    const uint32_t id = attachment.id == 0 ? piece.handle.number : attachment.id;
+    const glm::vec4 offset(attachment.offset, 0.0f);
     const auto add = [&](uint32_t indices, uint32_t first, uint32_t material) {
         if (indices == 0) return;
         lists.commands[next] = {indices, 1, first, static_cast<int32_t>(piece.vertex), next};
-        lists.data[next] = {piece.batch.body, material, piece.batch.tint | piece.opacity << 24, piece.handle.number,
-                            piece.batch.sphere};
+        lists.data[next] = {attachment.body, material, tint, id, piece.batch.sphere + offset, offset};
         ++next;
     };
     add(piece.batch.exterior_indices, piece.index, shared::material_exterior);
@@ -270,8 +288,9 @@ void PieceArena::write_draws(const DrawLists& lists, std::span<const BodyPose> p
     // the index in the list.
     std::vector<uint64_t> order(pieces_.size());
     for (size_t i = 0; i < order.size(); ++i) {
-        const BodyPose& pose = poses[pieces_[i].batch.body];
-        const glm::vec3 middle = pose.rotation * (pose.scale * glm::vec3(pieces_[i].batch.sphere));
+        const PieceBatch::Piece& piece = pieces_[i].batch;
+        const BodyPose& pose = poses[piece.attachment.body];
+        const glm::vec3 middle = pose.rotation * (pose.scale * (glm::vec3(piece.sphere) + piece.attachment.offset));
         const glm::vec3 way = middle + pose.position - eye;
         const float squared = glm::dot(way, way);
         const uint64_t far = std::isnan(squared) ? ~0u : std::bit_cast<uint32_t>(squared);

@@ -14,7 +14,7 @@
 // A piece has up to two consecutive draw ranges: exterior, then interior. Range i is instance i: its command has i as
 // first instance, and shaders find its body, material and tint in draws[i] (shaders/shared.h). The ranges of solid
 // pieces precede those of fading pieces; within each group, pieces are in the order of adding or from front to back.
-// Every change rebuilds the lists, at 52 bytes for each range. Not thread-safe.
+// Every change rebuilds the lists, at 68 bytes for each range. Not thread-safe.
 #pragma once
 
 #include <array>
@@ -22,6 +22,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "engine/core/range_allocator.h"
@@ -67,6 +68,7 @@ class PieceArena {
     [[nodiscard]] Result<std::vector<PieceHandle>> replace_all(PieceBatch batch);
     [[nodiscard]] Result<void> remove(std::span<const PieceHandle> handles);
     [[nodiscard]] Result<void> fade(std::span<const PieceHandle> handles, float fade);
+    [[nodiscard]] Result<void> attach(std::span<const PieceHandle> handles, const PieceAttachment& attachment);
 
     [[nodiscard]] uint32_t pieces() const { return static_cast<uint32_t>(pieces_.size()); }
     [[nodiscard]] uint32_t bodies() const { return bodies_; }
@@ -112,6 +114,7 @@ class PieceArena {
         void free(const Piece& piece);
     };
 
+    [[nodiscard]] std::string fault_of_body(uint32_t body) const;
     [[nodiscard]] Result<void> check(std::span<const PieceBatch> batches, size_t others) const;
     [[nodiscard]] Result<std::vector<PieceHandle>> add(std::vector<PieceBatch> batches, Allocators allocators,
                                                        std::vector<Piece> pieces);

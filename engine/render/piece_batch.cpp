@@ -5,10 +5,10 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <utility>
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
-#include <glm/packing.hpp>
 
 #include "engine/gpu/memory.h"
 #include "engine/render/smooth_normals.h"
@@ -25,13 +25,15 @@ Result<void> check_piece(size_t index, const PieceMesh& piece) {
     if (piece.exterior_triangles > piece.triangles.size())
         return invalid(index, "exterior_triangles is " + std::to_string(piece.exterior_triangles) + ", but it has only "
                                   + std::to_string(piece.triangles.size()) + " triangles");
-    for (size_t t = 0; t < piece.triangles.size(); ++t) {
-        const glm::uvec3 corner = piece.triangles[t];
-        const uint32_t largest = std::max({corner.x, corner.y, corner.z});
-        if (largest >= piece.positions.size())
-            return invalid(index, "triangle " + std::to_string(t) + " has vertex index " + std::to_string(largest)
-                                      + ", but there are only " + std::to_string(piece.positions.size()) + " vertices");
-    }
+    for (const auto& [triangles, what] : {std::pair(piece.triangles, "triangle "), {piece.neighbours, "neighbour "}})
+        for (size_t t = 0; t < triangles.size(); ++t) {
+            const glm::uvec3 corner = triangles[t];
+            const uint32_t largest = std::max({corner.x, corner.y, corner.z});
+            if (largest >= piece.positions.size())
+                return invalid(index, what + std::to_string(t) + " has vertex index " + std::to_string(largest)
+                                          + ", but there are only " + std::to_string(piece.positions.size())
+                                          + " vertices");
+        }
     return {};
 }
 
@@ -47,10 +49,6 @@ glm::vec4 sphere_around(std::span<const glm::vec3> positions) {
     float squared = 0.0f;
     for (const glm::vec3& p : positions) squared = std::max(squared, glm::dot(p - centre, p - centre));
     return {centre, std::sqrt(squared)};
-}
-
-uint32_t packed(const glm::vec3& tint) {
-    return glm::packUnorm4x8(glm::vec4(tint, 0.0f));
 }
 
 } // namespace
@@ -82,11 +80,8 @@ uint64_t PieceBatch::bytes() const {
     return positions_.size_bytes() + normals_.size_bytes() + indices_.size_bytes();
 }
 
-void PieceBatch::assign(uint32_t body, const glm::vec3& tint) {
-    for (Piece& piece : pieces_) {
-        piece.body = body;
-        piece.tint = packed(tint);
-    }
+void PieceBatch::attach(const PieceAttachment& attachment) {
+    for (Piece& piece : pieces_) piece.attachment = attachment;
 }
 
 void PieceBatch::move_to(std::shared_ptr<const DeviceBuffer> buffer) {
@@ -107,17 +102,22 @@ void PieceBatch::move_to(std::shared_ptr<const DeviceBuffer> buffer) {
 
 void PieceBatch::add(const PieceMesh& piece, Arrays& arrays) {
     auto& [positions, normals, indices] = arrays;
-    const SmoothSurface exterior = smooth_normals(piece.positions, piece.triangles.first(piece.exterior_triangles));
+    size_t own = piece.positions.size();
+    if (!piece.neighbours.empty()) {
+        own = 0;
+        for (const glm::uvec3& t : piece.triangles) own = std::max(own, size_t{1} + std::max({t.x, t.y, t.z}));
+    }
+    const SmoothSurface exterior =
+        smooth_normals(piece.positions, own, piece.triangles.first(piece.exterior_triangles), piece.neighbours);
     const std::span interior = piece.triangles.subspan(piece.exterior_triangles);
     pieces_.push_back({.first_vertex = static_cast<uint32_t>(positions.size()),
                        .vertices = static_cast<uint32_t>(exterior.normals.size()),
                        .first_index = static_cast<uint32_t>(indices.size()),
                        .exterior_indices = static_cast<uint32_t>(3 * exterior.triangles.size()),
                        .interior_indices = static_cast<uint32_t>(3 * interior.size()),
-                       .body = piece.body,
-                       .tint = packed(piece.tint),
-                       .sphere = sphere_around(piece.positions)});
-    positions.insert(positions.end(), piece.positions.begin(), piece.positions.end());
+                       .sphere = sphere_around(piece.positions.first(own)),
+                       .attachment = {.body = piece.body, .tint = piece.tint}});
+    positions.insert(positions.end(), piece.positions.begin(), piece.positions.begin() + static_cast<ptrdiff_t>(own));
     for (const uint32_t vertex : exterior.copies) positions.push_back(piece.positions[vertex]);
     normals.insert(normals.end(), exterior.normals.begin(), exterior.normals.end());
     for (const std::span<const glm::uvec3> range : {std::span<const glm::uvec3>(exterior.triangles), interior})

@@ -31,9 +31,8 @@ class PieceBatch {
     struct Piece {
         uint32_t first_vertex, vertices;
         uint32_t first_index, exterior_indices, interior_indices;
-        uint32_t body;
-        uint32_t tint;    // linear, packed by packUnorm4x8, alpha 0
-        glm::vec4 sphere; // bounding sphere in the body's frame: centre, radius
+        glm::vec4 sphere; // bounding sphere in the frame of the positions: centre, radius
+        PieceAttachment attachment;
 
         [[nodiscard]] uint32_t indices() const { return exterior_indices + interior_indices; }
     };
@@ -52,8 +51,8 @@ class PieceBatch {
 
     [[nodiscard]] uint64_t bytes() const; // size of the three arrays
 
-    // Sets the body and the tint of all pieces, for callers that create the batch before they know either.
-    void assign(uint32_t body, const glm::vec3& tint);
+    // Attaches all pieces, for callers that create the batch before they know the body.
+    void attach(const PieceAttachment& attachment);
 
     // Moves the arrays into a mapped buffer of at least bytes() bytes, one array after the other.
     void move_to(std::shared_ptr<const DeviceBuffer> buffer);

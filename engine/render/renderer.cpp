@@ -99,6 +99,14 @@ Result<void> Renderer::fade_pieces(std::span<const PieceHandle> handles, float f
     });
 }
 
+Result<void> Renderer::attach_pieces(std::span<const PieceHandle> handles, const PieceAttachment& attachment) {
+    return state_->run([&]() -> Result<void> {
+        Result<void> attached = state_->pieces.attach(handles, attachment);
+        if (attached) state_->invalidate_shadow_map();
+        return attached;
+    });
+}
+
 uint32_t Renderer::body_count() const {
     return state_->pieces.bodies();
 }

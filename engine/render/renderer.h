@@ -73,7 +73,7 @@ struct FrameStats {
 struct IdImage {
     uint32_t width = 0;
     uint32_t height = 0;
-    std::vector<uint32_t> ids; // PieceHandle::number, or 0 for none; rows from top to bottom
+    std::vector<uint32_t> ids; // PieceAttachment::id, or 0 for none; rows from top to bottom
 
     [[nodiscard]] uint32_t at(uint32_t x, uint32_t y) const { return ids[size_t{y} * width + x]; }
 };
@@ -102,6 +102,9 @@ class Renderer {
     // and shadow texels are discarded by a fixed 8x8 pattern. The wireframe of a fading piece is not drawn. Fails with
     // invalid_argument on an unknown handle or another value. Only fading pieces lose the early depth test.
     [[nodiscard]] Result<void> fade_pieces(std::span<const PieceHandle> handles, float fade);
+    // Attaches pieces, whose geometry stays, to other bodies. Fails with invalid_argument on an unknown handle or a body
+    // index that the device cannot address.
+    [[nodiscard]] Result<void> attach_pieces(std::span<const PieceHandle> handles, const PieceAttachment& attachment);
     // Copies the geometry of a large batch into memory that the device reads, so that the frame which adds it need not
     // copy it on the CPU. Runs on any thread, concurrently with all other functions. A small batch, or one for which
     // there is no memory, stays unchanged. Staged batches must be destroyed before the device.

@@ -23,6 +23,17 @@ struct PieceMesh {
     uint32_t exterior_triangles = 0;         // number of exterior triangles, the first of `triangles`
     uint32_t body = 0;                       // index of the pose that moves the piece; several pieces may share a body
     glm::vec3 tint{1.0f};                    // multiplies both materials; piece_tint()
+    // Exterior triangles of other pieces around this one: smooth shading goes on across the border. They are not drawn.
+    // Vertices that only they use come last.
+    std::span<const glm::uvec3> neighbours{};
+};
+
+// What moves a piece, and how it is shown.
+struct PieceAttachment {
+    uint32_t body = 0; // as of PieceMesh
+    glm::vec3 tint{1.0f};
+    glm::vec3 offset{0.0f}; // m, from the body's centre of mass to the origin of the positions, in the body's frame
+    uint32_t id = 0;        // what Renderer::render_ids() shows; 0: the number of the handle
 };
 
 // The handle of an uploaded piece, unique in a renderer's life. Handles are ordered by the time of adding. 0 is no

@@ -33,25 +33,29 @@ struct Fans {
 
 } // namespace
 
-SmoothSurface smooth_normals(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles) {
-    SmoothSurface surface{{triangles.begin(), triangles.end()}, {}, std::vector<glm::vec3>(positions.size())};
-    std::vector<glm::vec3> areas, units; // area-weighted and unit normals of the triangles
-    for (const glm::uvec3& t : triangles) {
+SmoothSurface smooth_normals(std::span<const glm::vec3> positions, size_t vertices,
+                             std::span<const glm::uvec3> triangles, std::span<const glm::uvec3> neighbours) {
+    SmoothSurface surface{{triangles.begin(), triangles.end()}, {}, std::vector<glm::vec3>(vertices)};
+    std::vector<glm::uvec3> all(surface.triangles);
+    all.insert(all.end(), neighbours.begin(), neighbours.end());
+    std::vector<glm::vec3> areas, units; // area-weighted and unit normals of all triangles
+    for (const glm::uvec3& t : all) {
         const glm::vec3 a = positions[t.x];
         areas.push_back(glm::cross(positions[t.y] - a, positions[t.z] - a));
         units.push_back(unit_or_zero(areas.back()));
     }
-    const Fans fans(positions.size(), triangles);
+    const Fans fans(positions.size(), all);
     struct Variant {
         glm::vec3 sum;
         uint32_t vertex;
     };
     std::vector<Variant> variants; // the normals at the present vertex, of the vertex itself and its copies
-    for (uint32_t v = 0; v < positions.size(); ++v) {
+    for (uint32_t v = 0; v < vertices; ++v) {
         variants.clear();
         const std::span fan = std::span(fans.corners).subspan(fans.begin[v], fans.begin[v + 1] - fans.begin[v]);
         for (const uint32_t corner : fan) {
             const uint32_t t = corner / 3;
+            if (t >= triangles.size()) continue;
             glm::vec3 sum = areas[t];
             if (fan.size() <= max_compared) {
                 sum = glm::vec3(0.0f);

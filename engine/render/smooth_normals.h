@@ -19,6 +19,11 @@ struct SmoothSurface {
 
 // Returns the triangles with split vertices and their normals. Indices must be in range. Linear in the number of
 // triangles: around a vertex with more than 64 triangles, each triangle keeps its own normal.
-[[nodiscard]] SmoothSurface smooth_normals(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles);
+//
+// The first `vertices` positions are those of the triangles. The others are those of `neighbours`, triangles beside the
+// surface, which count for its normals and are not part of the result.
+[[nodiscard]] SmoothSurface smooth_normals(std::span<const glm::vec3> positions, size_t vertices,
+                                           std::span<const glm::uvec3> triangles,
+                                           std::span<const glm::uvec3> neighbours = {});
 
 } // namespace brittle::engine

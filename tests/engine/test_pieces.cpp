@@ -1,10 +1,12 @@
 // Pieces that are added, faded and removed between frames. The oracle is a call of set_pieces() with the remaining
 // pieces.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
 #include <random>
+#include <string>
 #include <thread>
 #include <tuple>
 
@@ -163,7 +165,7 @@ TEST_CASE("batches added together, with bodies and tints assigned later, are dra
         plain.body = 99;
         plain.tint = glm::vec3(0.1f);
         batches.push_back(*PieceBatch::create({&plain, 1}));
-        batches.back().assign(piece.body, piece.tint);
+        batches.back().attach({.body = piece.body, .tint = piece.tint});
     }
     const auto handles = f.renderer->add_pieces(std::move(batches));
     REQUIRE(handles);
@@ -406,7 +408,7 @@ TEST_CASE("front-to-back order keeps the draws and sorts them by distance, fadin
     };
     const auto contents = [](const Lists& lists, size_t i) {
         const auto& command = lists.commands[i];
-        return std::tuple(lists.data[i].piece, lists.data[i].material, lists.data[i].tint, lists.data[i].body,
+        return std::tuple(lists.data[i].id, lists.data[i].material, lists.data[i].tint, lists.data[i].body,
                           command.indexCount, command.firstIndex, command.vertexOffset, command.instanceCount);
     };
     std::vector<decltype(contents(plain, 0))> is, should;
@@ -417,13 +419,128 @@ TEST_CASE("front-to-back order keeps the draws and sorts them by distance, fadin
         CHECK((sorted.data[i].tint >> 24 == 255) == (i < arena.solid_draws()));
         if (i == 0 || i == arena.solid_draws()) continue;
         CHECK(distance(sorted.data[i - 1]) <= distance(sorted.data[i]) + 1e-5f);
-        const bool same = sorted.data[i - 1].piece == sorted.data[i].piece;
+        const bool same = sorted.data[i - 1].id == sorted.data[i].id;
         if (same) CHECK(sorted.data[i - 1].material < sorted.data[i].material); // consecutive ranges of one piece
     }
     CHECK(is != should);
     std::ranges::sort(is);
     std::ranges::sort(should);
     CHECK(is == should);
+}
+
+// A surface in two parts. Each has vertices of its own, and the triangles of the other around it.
+struct Halves {
+    struct Half {
+        std::vector<glm::vec3> positions;
+        std::vector<glm::uvec3> triangles, neighbours;
+    };
+    std::array<Half, 2> halves;
+
+    Halves(const Shape& shape, const glm::vec3& origin) {
+        for (size_t k = 0; k < 2; ++k) {
+            Half& half = halves[k];
+            std::map<uint32_t, uint32_t> index;
+            const auto add = [&](const glm::uvec3& t, std::vector<glm::uvec3>& to) {
+                glm::uvec3 corners;
+                for (int c = 0; c < 3; ++c) {
+                    const auto [at, is_new] = index.emplace(t[c], static_cast<uint32_t>(half.positions.size()));
+                    if (is_new) half.positions.push_back(shape.positions[t[c]] - origin);
+                    corners[c] = at->second;
+                }
+                to.push_back(corners);
+            };
+            const size_t middle = shape.triangles.size() / 2;
+            for (size_t t = 0; t < shape.triangles.size(); ++t)
+                if ((t < middle) == (k == 0)) add(shape.triangles[t], half.triangles);
+            for (size_t t = 0; t < shape.triangles.size(); ++t)
+                if ((t < middle) != (k == 0)) add(shape.triangles[t], half.neighbours);
+        }
+    }
+    [[nodiscard]] PieceBatch batch(const PieceAttachment& attachment) const {
+        std::vector<PieceMesh> meshes;
+        for (const Half& half : halves)
+            meshes.push_back({.positions = half.positions,
+                              .triangles = half.triangles,
+                              .exterior_triangles = static_cast<uint32_t>(half.triangles.size()),
+                              .neighbours = half.neighbours});
+        Result<PieceBatch> batch = PieceBatch::create(meshes);
+        REQUIRE(batch);
+        batch->attach(attachment);
+        return *std::move(batch);
+    }
+};
+
+int largest_difference(const Bitmap& a, const Bitmap& b) {
+    REQUIRE(a.pixels.size() == b.pixels.size());
+    int largest = 0;
+    for (size_t i = 0; i < a.pixels.size(); ++i) largest = std::max(largest, std::abs(a.pixels[i] - b.pixels[i]));
+    return largest;
+}
+
+TEST_CASE("a piece in parts, whose positions have another origin, is drawn like the whole, with one id") {
+    const Fixture f;
+    if (!f) return;
+    const glm::vec3 origin(0.5f, -0.25f, 0.125f);
+    for (const Shape& shape : {icosphere(0.5f, 2), box({0.5f, 0.25f, 0.375f}, 3)}) {
+        Shape exact = shape; // sums with the origin are exact
+        for (glm::vec3& p : exact.positions) p = glm::round(p * 1024.0f) / 1024.0f;
+        const Halves halves(exact, origin);
+        PieceMesh whole = exact.piece(1, piece_tint(3));
+        whole.exterior_triangles = static_cast<uint32_t>(exact.triangles.size());
+        const PieceAttachment attachment{.body = 1, .tint = piece_tint(3), .offset = origin, .id = 7};
+        Scene scene = empty_stage();
+        const std::array poses{
+            BodyPose{},
+            BodyPose{glm::angleAxis(0.7f, glm::normalize(glm::vec3(1.0f, 2.0f, 0.5f))), {0.2f, -0.1f, 0.3f}},
+            BodyPose{glm::angleAxis(-0.4f, glm::vec3(0.0f, 1.0f, 0.0f)), {-0.3f, 0.2f, 0.0f}, 0.5f}};
+        scene.write_poses = [&](std::span<BodyPose> out, uint64_t) {
+            std::copy_n(poses.begin(), out.size(), out.begin());
+        };
+        for (const bool smooth : {false, true}) {
+            scene.smooth = smooth;
+            const int tolerance = smooth ? 1 : 0; // normals are sums in another order
+            REQUIRE(f.renderer->set_pieces({&whole, 1}));
+            const Bitmap expected = f.draw(scene);
+            const IdImage shape_ids = ids_of(f, scene);
+            REQUIRE(f.renderer->set_pieces({}));
+            const auto handles = f.renderer->add_pieces(halves.batch(attachment));
+            REQUIRE(handles);
+            REQUIRE(handles->size() == 2);
+            CHECK(largest_difference(f.draw(scene), expected) <= tolerance);
+            CHECK(f.renderer->stats().pieces_in_view == 2);
+            const IdImage ids = ids_of(f, scene);
+            for (size_t i = 0; i < ids.ids.size(); ++i) REQUIRE(ids.ids[i] == (shape_ids.ids[i] != 0 ? 7 : 0));
+
+            // Attached to another body, they are drawn as if they had been added there.
+            PieceMesh other = whole;
+            other.body = 2;
+            other.tint = piece_tint(5);
+            REQUIRE(f.renderer->attach_pieces(*handles, {.body = 2, .tint = piece_tint(5), .offset = origin}));
+            const Bitmap moved = f.draw(scene);
+            REQUIRE(f.renderer->set_pieces({&other, 1}));
+            CHECK(largest_difference(f.draw(scene), moved) <= tolerance);
+            CHECK_FALSE(f.renderer->attach_pieces(*handles, attachment)); // they are gone
+        }
+    }
+}
+
+TEST_CASE("pieces are attached to bodies that exist, and neighbours name vertices that exist") {
+    const Fixture f;
+    if (!f) return;
+    const Shape cube = box(glm::vec3(0.5f));
+    const PieceMesh piece = cube.piece(0);
+    const auto handles = f.renderer->set_pieces({&piece, 1});
+    REQUIRE(handles);
+    CHECK_FALSE(f.renderer->attach_pieces(*handles, {.body = std::numeric_limits<uint32_t>::max()}));
+    CHECK(f.renderer->body_count() == 1);
+    REQUIRE(f.renderer->attach_pieces(*handles, {.body = 4}));
+    CHECK(f.renderer->body_count() == 5);
+    const glm::uvec3 wrong(0, 1, static_cast<uint32_t>(cube.positions.size()));
+    PieceMesh bad = piece;
+    bad.neighbours = {&wrong, 1};
+    const Result<PieceBatch> batch = PieceBatch::create({&bad, 1});
+    REQUIRE_FALSE(batch);
+    CHECK(batch.error().message.find("neighbour 0") != std::string::npos);
 }
 
 TEST_CASE("the draw order changes no picture") {

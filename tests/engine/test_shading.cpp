@@ -13,7 +13,7 @@ using namespace brittle::engine::test;
 namespace {
 
 SmoothSurface smooth(const Shape& shape) {
-    return smooth_normals(shape.positions, shape.triangles);
+    return smooth_normals(shape.positions, shape.positions.size(), shape.triangles);
 }
 
 double mean_difference(const Bitmap& a, const Bitmap& b) {
@@ -25,12 +25,12 @@ double mean_difference(const Bitmap& a, const Bitmap& b) {
 } // namespace
 
 TEST_CASE("smooth normals: no triangles, and triangles without area") {
-    const SmoothSurface nothing = smooth_normals({}, {});
+    const SmoothSurface nothing = smooth_normals({}, 0, {});
     CHECK(nothing.triangles.empty());
     CHECK(nothing.normals.empty());
     const glm::vec3 corners[] = {glm::vec3(0.0f), glm::vec3(1.0f), glm::vec3(2.0f), glm::vec3(7.0f)};
     const glm::uvec3 triangles[] = {{0, 1, 2}, {1, 1, 1}};
-    const SmoothSurface flat = smooth_normals(corners, triangles);
+    const SmoothSurface flat = smooth_normals(corners, std::size(corners), triangles);
     REQUIRE(flat.normals.size() == 4 + flat.copies.size());
     for (const glm::vec3& normal : flat.normals) CHECK(normal == glm::vec3(0.0f));
     for (const glm::uvec3& t : flat.triangles) CHECK(std::max({t.x, t.y, t.z}) < flat.normals.size());

@@ -118,11 +118,11 @@ TEST_CASE("copies of a staged batch share its buffer, with bodies and tints of t
     PieceBatch other = row.batch(9);
     f.renderer->stage(other);
     std::vector<PieceBatch> batches{other, row.batch(8), other};
-    for (uint32_t i = 0; i < 3; ++i) batches[i].assign(i, piece_tint(i));
+    for (uint32_t i = 0; i < 3; ++i) batches[i].attach({.body = i, .tint = piece_tint(i)});
     CHECK(batches[0].staged() == batches[2].staged());
     REQUIRE(f.renderer->add_pieces(std::move(batches)));
     CHECK(f.draw(Row::scene()).pixels == expected.pixels);
-    other.assign(3, piece_tint(3)); // its buffer was read by a frame, and may be read again
+    other.attach({.body = 3, .tint = piece_tint(3)}); // its buffer was read by a frame, and may be read again
     REQUIRE(f.renderer->add_pieces(std::move(other)));
     const PieceMesh four[] = {meshes[0], meshes[1], meshes[2], row.mesh(3)};
     const Bitmap all = f.draw(Row::scene());
