@@ -195,6 +195,21 @@ ClusterMesh::ClusterMesh(const TriangleMesh& mesh, std::span<const uint32_t> tag
     root_ = tree_of(clusters_of(faces, threads));
 }
 
+void ClusterMesh::add_branches(const NodePtr& node, uint32_t max_triangles, std::vector<ClusterBranch>& branches) {
+    if (node->triangles <= max_triangles || node->cluster) {
+        branches.push_back(ClusterBranch(node));
+        return;
+    }
+    add_branches(node->low, max_triangles, branches);
+    add_branches(node->high, max_triangles, branches);
+}
+
+std::vector<ClusterBranch> ClusterMesh::branches(uint32_t max_triangles) const {
+    std::vector<ClusterBranch> branches;
+    if (root_) add_branches(root_, max_triangles, branches);
+    return branches;
+}
+
 ClusterMesh ClusterMesh::with(const ClusterSet& without_these, const FaceList& faces) const {
     constexpr double infinity = std::numeric_limits<double>::infinity();
     ClusterMesh changed = *this;
@@ -203,7 +218,7 @@ ClusterMesh ClusterMesh::with(const ClusterSet& without_these, const FaceList& f
         box = {glm::min(box.min, cluster->box.min), glm::max(box.max, cluster->box.max)};
     if (root_ && !without_these.empty()) changed.root_ = without(root_, without_these, box);
     Threads one(1);
-    for (const ClusterPtr& cluster : clusters_of(faces, one)) changed.root_ = inserted(changed.root_, leaf(cluster));
+    if (const NodePtr added = tree_of(clusters_of(faces, one))) changed.root_ = inserted(changed.root_, added);
     for (const uint32_t v : faces.vertices) changed.vertex_limit_ = std::max(changed.vertex_limit_, v + 1);
     return changed;
 }

@@ -17,6 +17,7 @@
 #include <memory>
 #include <span>
 #include <unordered_set>
+#include <utility>
 #include <vector>
 
 #include <glm/vec3.hpp>
@@ -53,6 +54,8 @@ struct FaceList {
            && b.min.z <= a.max.z;
 }
 
+class ClusterBranch;
+
 class ClusterMesh {
   public:
     ClusterMesh() = default; // no triangles
@@ -87,6 +90,9 @@ class ClusterMesh {
         if (root_) visit_some(*root_, count, act);
     }
 
+    // The largest branches of the tree with at most so many triangles each, or one cluster. Together they are the mesh.
+    [[nodiscard]] std::vector<ClusterBranch> branches(uint32_t max_triangles) const;
+
     // This mesh without some of its clusters and with other triangles. Precondition: triangles that meet name the same
     // vertices.
     [[nodiscard]] ClusterMesh with(const ClusterSet& without, const FaceList& faces) const;
@@ -100,6 +106,7 @@ class ClusterMesh {
     [[nodiscard]] TriangleMesh flatten(std::vector<uint32_t>* tags = nullptr) const;
 
   private:
+    friend ClusterBranch;
     struct Node;
     using NodePtr = std::shared_ptr<const Node>;
     struct Node {
@@ -132,6 +139,7 @@ class ClusterMesh {
         act(some->cluster);
     }
     [[nodiscard]] std::vector<uint32_t> components() const;
+    static void add_branches(const NodePtr& node, uint32_t max_triangles, std::vector<ClusterBranch>& branches);
     [[nodiscard]] static NodePtr leaf(ClusterPtr cluster);
     [[nodiscard]] static NodePtr above(NodePtr low, NodePtr high); // either may be null
     [[nodiscard]] static NodePtr tree_of(std::span<const ClusterPtr> clusters);
@@ -140,6 +148,27 @@ class ClusterMesh {
 
     NodePtr root_;
     uint32_t vertex_limit_ = 0;
+};
+
+// Neighbouring clusters: a branch of the tree. A mesh and a changed one have those branches in common that the change
+// did not touch.
+class ClusterBranch {
+  public:
+    [[nodiscard]] uint32_t triangle_count() const { return node_->triangles; }
+    [[nodiscard]] const Box& box() const { return node_->box; }
+    template<class Act>
+    void for_each(Act&& act) const { // act(cluster)
+        const auto all = [](const Box&) { return true; };
+        ClusterMesh::visit(*node_, all, act);
+    }
+    // Equal for equal branches, and for no others that exist at the same time.
+    [[nodiscard]] const void* key() const { return node_.get(); }
+
+  private:
+    friend ClusterMesh;
+    explicit ClusterBranch(ClusterMesh::NodePtr node) : node_(std::move(node)) {}
+
+    ClusterMesh::NodePtr node_;
 };
 
 } // namespace brittle::fracture

@@ -40,7 +40,7 @@ Result<ObjectId> Destruction::add(World& world, const fracture::TriangleMesh& me
 }
 
 Result<ObjectId> Destruction::add(World& world, SolidPtr whole, const BreakableDesc& desc, PayloadPtr payload) {
-    if (!payload && desc.payload) payload = desc.payload(*whole);
+    if (!payload && desc.payload) payload = desc.payload(*whole, nullptr);
     const ObjectId id{next_object_};
     objects_.emplace(id, Object{for_jobs(desc), nullptr, {}, 0});
     Live piece{.object = id,
@@ -147,7 +147,8 @@ BodyDesc Destruction::body_of(const SolidPiece& solid) {
 }
 
 // Runs on the job's thread. A solid that cannot become a body is reported by add_piece().
-Destruction::Broken Destruction::broken_into(Result<std::vector<SolidPtr>> pieces, const PayloadMaker& payload) {
+Destruction::Broken Destruction::broken_into(Result<std::vector<SolidPtr>> pieces, const SolidPiece& cut_from,
+                                             const PayloadMaker& payload) {
     Broken broken;
     if (!pieces) {
         broken.failure = pieces.error().message;
@@ -157,7 +158,7 @@ Destruction::Broken Destruction::broken_into(Result<std::vector<SolidPtr>> piece
     for (SolidPtr& solid : *pieces) {
         Made& made = broken.pieces.emplace_back();
         if (const Result<std::shared_ptr<const BodyForm>> form = make_form(body_of(*solid))) made.form = *form;
-        if (payload) made.payload = payload(*solid);
+        if (payload) made.payload = payload(*solid, &cut_from);
         made.solid = std::move(solid);
     }
     return broken;

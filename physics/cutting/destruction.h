@@ -308,7 +308,8 @@ class Destruction {
     Result<PieceId> add_piece(World& world, Live piece, PayloadPtr payload, const Motion& motion,
                               const glm::dvec3& from, bool debris, const std::shared_ptr<const BodyForm>& form = {});
     static BodyDesc body_of(const SolidPiece& solid);
-    static Broken broken_into(Result<std::vector<SolidPtr>> pieces, const PayloadMaker& payload);
+    static Broken broken_into(Result<std::vector<SolidPtr>> pieces, const SolidPiece& cut_from,
+                              const PayloadMaker& payload);
     static Broken broken_by(const PlannedCut& cut, const std::function<bool()>& cancelled);
     PieceId register_piece(Live piece, PayloadPtr payload);
     void forget_piece(PieceId id);

@@ -254,7 +254,7 @@ void Destruction::start_job(const World& world, PieceId id, const Hit& hit) {
 }
 
 Destruction::Broken Destruction::broken_by(const PlannedCut& cut, const std::function<bool()>& cancelled) {
-    Broken broken = broken_into(carry_out(cut, cancelled), cut.desc->payload);
+    Broken broken = broken_into(carry_out(cut, cancelled), *cut.solid, cut.desc->payload);
     broken.chip = cut.damage.local;
     return broken;
 }
@@ -339,7 +339,8 @@ void Destruction::start_parting(const World& world, PieceId id, const Hit& hit, 
         const std::vector<uint32_t> islands = parts(*solid, desc->solid, gravity);
         if (std::ranges::count(islands, 0u) == static_cast<ptrdiff_t>(islands.size()))
             return chip ? broken_by(*chip, [&] { return cancelled.load(); }) : Broken{};
-        return broken_into(break_apart(*solid, islands, desc->solid, [&] { return cancelled.load(); }), desc->payload);
+        return broken_into(break_apart(*solid, islands, desc->solid, [&] { return cancelled.load(); }), *solid,
+                           desc->payload);
     });
 }
 

@@ -9,7 +9,7 @@ std::vector<PayloadPtr> payloads_of(std::span<const SolidPtr> solids, const Payl
     if (!maker) return payloads;
     fracture::Threads pool(threads);
     pool.for_chunks(static_cast<uint32_t>(solids.size()), 4, [&](uint32_t, uint32_t begin, uint32_t end) {
-        for (uint32_t i = begin; i < end; ++i) payloads[i] = maker(*solids[i]);
+        for (uint32_t i = begin; i < end; ++i) payloads[i] = maker(*solids[i], nullptr);
     });
     return payloads;
 }

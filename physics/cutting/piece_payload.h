@@ -6,7 +6,7 @@
 // payload of a piece that is removed before its event is taken.
 //
 //     struct Buffers : PiecePayload { VertexBuffer vertices; };
-//     desc.payload = [](const SolidPiece& solid) { return std::make_unique<Buffers>(upload(solid)); };
+//     desc.payload = [](const SolidPiece& solid, const SolidPiece*) { return std::make_unique<Buffers>(upload(solid)); };
 //     for (PieceAdded& added : destruction.take_events().added) draw(static_cast<Buffers&>(*added.payload));
 //
 // Threads: a maker is called on several threads at once, and a payload is destroyed on any thread.
@@ -26,9 +26,10 @@ struct PiecePayload {
     virtual ~PiecePayload() = default;
 };
 using PayloadPtr = std::unique_ptr<PiecePayload>;
-using PayloadMaker = std::function<PayloadPtr(const SolidPiece&)>; // must not throw
+// The second solid is the one that the piece was cut from; null for one that was not cut. Must not throw.
+using PayloadMaker = std::function<PayloadPtr(const SolidPiece& piece, const SolidPiece* cut_from)>;
 
-// One payload a solid, made in parallel on `threads` threads (0: one a core); null pointers for an empty maker.
+// One payload a solid that was not cut, made in parallel on `threads` threads (0: one a core); null pointers for an empty maker.
 [[nodiscard]] std::vector<PayloadPtr> payloads_of(std::span<const SolidPtr> solids, const PayloadMaker& maker,
                                                   uint32_t threads = 0);
 

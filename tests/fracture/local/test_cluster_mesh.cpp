@@ -4,9 +4,11 @@
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <set>
 #include <vector>
 
 #include <doctest/doctest.h>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
 #include "fracture/base/random.h"
@@ -49,6 +51,47 @@ TEST_CASE("cluster mesh: an empty mesh has no clusters and answers every questio
     CHECK(nearest_on(empty, glm::dvec3(1.0)) == glm::dvec3(1.0));
     CHECK(farthest_from(empty, glm::dvec3(1.0)) == 0.0);
     CHECK(empty.with({}, {}).triangle_count() == 0);
+    CHECK(empty.branches(1000).empty());
+    empty.visit_some(10, [](const ClusterPtr&) { FAIL("there is none"); });
+}
+
+TEST_CASE("cluster mesh: branches divide the mesh, as large as the limit allows") {
+    for (const TriangleMesh& mesh : shapes())
+        for (const uint32_t limit : {1u, 128u, 1000u, 1'000'000u}) {
+            const ClusterMesh clusters = clusters_of(mesh);
+            std::vector<const Cluster*> found, all;
+            clusters.for_each([&](const ClusterPtr& cluster) { all.push_back(cluster.get()); });
+            uint32_t before = 0;
+            for (const ClusterBranch& branch : clusters.branches(limit)) {
+                const size_t first = found.size();
+                uint32_t triangles = 0;
+                branch.for_each([&](const ClusterPtr& cluster) {
+                    found.push_back(cluster.get());
+                    triangles += static_cast<uint32_t>(cluster->triangles.size());
+                    CHECK(overlap(cluster->box, branch.box()));
+                });
+                CHECK(triangles == branch.triangle_count());
+                CHECK((triangles <= limit || found.size() - first == 1));
+                if (limit > 1) CHECK((before == 0 || before + triangles > limit / 4)); // the tree is balanced
+                before = triangles;
+            }
+            CHECK(found == all);
+        }
+}
+
+TEST_CASE("cluster mesh: a few clusters are taken from all over the mesh, or all of a small one") {
+    const ClusterMesh clusters = clusters_of(icosphere(6));
+    for (const uint32_t count : {1u, 10u, 64u, 100'000u}) {
+        uint32_t taken = 0;
+        Box box{glm::dvec3(2.0), glm::dvec3(-2.0)};
+        clusters.visit_some(count, [&](const ClusterPtr& cluster) {
+            ++taken;
+            box = {glm::min(box.min, cluster->box.min), glm::max(box.max, cluster->box.max)};
+        });
+        CHECK(taken >= std::min(count, clusters.cluster_count()));
+        CHECK(taken <= std::min(2 * count, clusters.cluster_count()));
+        if (count >= 64) CHECK(glm::length(box.size()) > 0.9 * glm::length(clusters.box().size()));
+    }
 }
 
 TEST_CASE("cluster mesh: the flat mesh has each triangle once, with its tag, whatever the number of threads") {
@@ -117,6 +160,12 @@ TEST_CASE("cluster mesh: exchanged clusters leave the others shared, and nothing
         before.visit(cluster->box, [&](const ClusterPtr& old) { shared += old == cluster ? 1 : 0; });
     });
     CHECK(shared == before.cluster_count() - opened.size());
+    std::set<const void*> old_branches;
+    for (const ClusterBranch& branch : before.branches(512)) old_branches.insert(branch.key());
+    uint32_t kept = 0; // triangles
+    for (const ClusterBranch& branch : after.branches(512))
+        if (old_branches.contains(branch.key())) kept += branch.triangle_count();
+    CHECK(kept > before.triangle_count() / 2);
     const TriangleMesh flat = after.flatten();
     CHECK(check_topology(flat.positions.size(), flat.triangles).manifold());
     CHECK(before.flatten().triangles == clusters_of(mesh).flatten().triangles);

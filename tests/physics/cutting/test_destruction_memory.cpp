@@ -72,7 +72,7 @@ TEST_CASE("destruction: large solids and unclaimed payloads are freed on other t
     destruction.remove(world, claimed);
     wait_for(1); // the solid; the payload has another owner
 
-    desc.payload = [&](const SolidPiece& solid) {
+    desc.payload = [&](const SolidPiece& solid, const SolidPiece*) {
         return solid.triangle_count() > 15'000 ? std::make_unique<Noted>(note) : nullptr;
     };
     const ObjectId unclaimed = *destruction.add(world, whole(), desc);

@@ -26,18 +26,11 @@ uint32_t packed(const glm::vec3& linear) {
     return engine::srgb8(c.x, c.y, c.z);
 }
 
-// Returns the function that prepares the geometry of a new piece for the renderer. The thread that cuts calls it; the
-// stage takes over the result when the piece appears.
+// Returns the function that prepares the geometry of a new piece. The thread that cuts calls it; the stage takes over
+// the result when the piece appears.
 physics::PayloadMaker drawing_maker(const engine::Renderer& renderer) {
-    return [&renderer](const physics::SolidPiece& solid) {
-        const physics::SolidSurface& surface = solid.surface();
-        const engine::PieceMesh mesh{.positions = surface.positions,
-                                     .triangles = surface.mesh.triangles,
-                                     .exterior_triangles = surface.exterior_triangles};
-        auto drawing = std::make_unique<PieceDrawing>();
-        drawing->batch = must(engine::PieceBatch::create({&mesh, 1}));
-        renderer.stage(drawing->batch);
-        return drawing;
+    return [&renderer](const physics::SolidPiece& solid, const physics::SolidPiece* cut_from) {
+        return draw_piece(renderer, solid, cut_from);
     };
 }
 
@@ -149,32 +142,69 @@ glm::vec3 Stage::tint_of(const physics::PieceAdded& added, std::span<const physi
     return added.depth == 0 && untinted_ ? glm::vec3(1.0f) : engine::piece_tint(added.id.value);
 }
 
+// Attaches the parts of removed pieces that a new piece keeps, and adds the new parts to `fresh`. A part that no removed
+// piece has, because its piece came and went between two calls, is drawn here.
+void Stage::draw(const physics::PieceAdded& added, const glm::vec3& tint, PartPool& left, FreshParts& fresh) {
+    auto& drawing = static_cast<PieceDrawing&>(*added.payload);
+    const engine::PieceAttachment attachment = attachment_of(*added.solid, added.slot, tint, added.id);
+    Drawn& drawn = drawn_[added.id] = {{}, tint};
+    std::vector<engine::PieceHandle> kept;
+    std::vector<fracture::ClusterBranch> missing;
+    for (const fracture::ClusterBranch& branch : drawing.kept) {
+        if (const auto part = left.extract(branch.key())) {
+            kept.push_back(part.mapped().handle);
+            drawn.parts.push_back(part.mapped());
+        } else {
+            missing.push_back(branch);
+        }
+    }
+    must(renderer_.attach_pieces(kept, attachment));
+    const auto add = [&](engine::PieceBatch batch, std::span<const fracture::ClusterBranch> branches) {
+        batch.attach(attachment);
+        for (size_t k = 0; k < batch.pieces().size(); ++k)
+            fresh.owners.emplace_back(added.id, branches.empty() ? std::nullopt : std::optional(branches[k]));
+        fresh.batches.push_back(std::move(batch));
+    };
+    if (!missing.empty()) add(draw_branches(*added.solid, missing), missing);
+    add(std::move(drawing.batch), drawing.made);
+}
+
 // Draws the pieces that appeared, and removes the pieces that disappeared, since the last call. Removal comes first,
 // because new pieces reuse slots.
 void Stage::take_events() {
     physics::DestructionEvents events = simulation_.take_events();
     std::vector<engine::PieceHandle> gone;
+    PartPool left; // parts of removed pieces that new pieces may keep
     std::map<physics::PieceId, glm::vec3> before;
     for (const physics::PieceRemoved& removed : events.removed) {
         const auto at = drawn_.find(removed.id);
-        gone.push_back(at->second.handle);
         before[removed.id] = at->second.tint;
+        for (const Part& part : at->second.parts) {
+            if (part.branch)
+                left.emplace(part.branch->key(), part);
+            else
+                gone.push_back(part.handle);
+        }
         drawn_.erase(at);
     }
-    must(renderer_.remove_pieces(gone));
-    std::vector<engine::PieceBatch> batches;
-    std::vector<glm::vec3> tints;
+    FreshParts fresh;
     for (const physics::PieceAdded& added : events.added) {
-        tints.push_back(tint_of(added, events.added, before));
-        batches.push_back(std::move(static_cast<PieceDrawing&>(*added.payload).batch));
-        batches.back().assign(added.slot, tints.back());
+        draw(added, tint_of(added, events.added, before), left, fresh);
         radii_.resize(std::max<size_t>(radii_.size(), added.slot + size_t{1}), 0.0f);
         radii_[added.slot] = added.solid->radius;
     }
-    const std::vector<engine::PieceHandle> handles = must(renderer_.add_pieces(std::move(batches)));
-    for (size_t i = 0; i < handles.size(); ++i) drawn_[events.added[i].id] = {handles[i], tints[i]};
-    for (const physics::PieceFading& fading : events.fading)
-        must(renderer_.fade_pieces({&drawn_.at(fading.id).handle, 1}, 1.0f - fading.share));
+    for (const auto& [key, part] : left) gone.push_back(part.handle);
+    must(renderer_.remove_pieces(gone));
+    const std::vector<engine::PieceHandle> handles = must(renderer_.add_pieces(std::move(fresh.batches)));
+    for (size_t k = 0; k < handles.size(); ++k) {
+        const auto& [piece, branch] = fresh.owners[k];
+        drawn_.at(piece).parts.push_back({branch, handles[k]});
+    }
+    for (const physics::PieceFading& fading : events.fading) {
+        std::vector<engine::PieceHandle> parts;
+        for (const Part& part : drawn_.at(fading.id).parts) parts.push_back(part.handle);
+        must(renderer_.fade_pieces(parts, 1.0f - fading.share));
+    }
 }
 
 void Stage::watch(const engine::Camera& camera, float aspect) {

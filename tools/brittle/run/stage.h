@@ -1,6 +1,6 @@
 // A mesh on a stage: whole at first, then broken into pieces that fall. The stage draws a Simulation: fragments become
 // geometry, and the poses of moved pieces go straight into the renderer's instance buffer. Of pieces that blows cut,
-// only the new ones are uploaded; the thread that cut them has prepared their geometry (PieceDrawing).
+// only what is new is uploaded; the thread that cut them has prepared it (piece_drawing.h).
 //
 // Lengths are metres: the mesh is scaled and stands on the ground (y = 0) or above it (stage_placement.h).
 //
@@ -15,6 +15,8 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "engine/render/renderer.h"
@@ -24,6 +26,7 @@
 #include "physics/cutting/piece_payload.h"
 #include "physics/world/world.h"
 #include "tools/brittle/recipe/input.h"
+#include "tools/brittle/run/piece_drawing.h"
 #include "tools/brittle/run/simulation.h"
 #include "tools/brittle/run/stage_placement.h"
 
@@ -34,12 +37,6 @@ namespace brittle::tools {
 
 // Returns the unbroken mesh in the form that the renderer draws. On any thread. Throws a Failure.
 [[nodiscard]] engine::PieceBatch batch_of(const fracture::TriangleMesh& mesh);
-
-// The geometry of a breakable piece, made and staged by the thread that cuts the piece; the stage moves it into the
-// renderer.
-struct PieceDrawing : physics::PiecePayload {
-    engine::PieceBatch batch;
-};
 
 // Results of the slow part of putting pieces on the stage.
 struct PreparedPieces {
@@ -100,6 +97,18 @@ class Stage {
   private:
     void draw_anew(engine::PieceBatch batch);
     void take_events();
+    // What the renderer draws of a breakable piece: all of a small one, or a branch of a large one.
+    struct Part {
+        std::optional<fracture::ClusterBranch> branch;
+        engine::PieceHandle handle;
+    };
+    using PartPool = std::unordered_map<const void*, Part>; // by ClusterBranch::key()
+    // Parts that are to be added.
+    struct FreshParts {
+        std::vector<engine::PieceBatch> batches;
+        std::vector<std::pair<physics::PieceId, std::optional<fracture::ClusterBranch>>> owners; // by part
+    };
+    void draw(const physics::PieceAdded& added, const glm::vec3& tint, PartPool& left, FreshParts& fresh);
     void pass_view();
     [[nodiscard]] glm::vec3 tint_of(const physics::PieceAdded& added, std::span<const physics::PieceAdded> all,
                                     const std::map<physics::PieceId, glm::vec3>& before) const;
@@ -110,7 +119,7 @@ class Stage {
     engine::Bounds home_;
     std::vector<float> radii_; // by slot: radius of the piece around its centre of mass
     struct Drawn {
-        engine::PieceHandle handle;
+        std::vector<Part> parts;
         glm::vec3 tint;
     };
     std::map<physics::PieceId, Drawn> drawn_; // pieces of a breakable world
