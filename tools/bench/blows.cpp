@@ -6,6 +6,8 @@
 #include <fstream>
 #include <limits>
 #include <memory>
+#include <numbers>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -13,11 +15,15 @@
 #include <benchmark/benchmark.h>
 #include <glm/geometric.hpp>
 
+#include "fracture/base/random.h"
 #include "fracture/io/import.h"
+#include "fracture/local/cluster_queries.h"
 #include "fracture/shapes/shapes.h"
 #include "physics/cutting/destruction.h"
 #include "tools/bench/broken_bunny.h"
+#include "tools/bench/memory_meter.h"
 #include "tools/bench/samples.h"
+#include "tools/brittle/run/piece_drawing.h"
 
 namespace brittle::tools {
 
@@ -63,60 +69,94 @@ PlannedCut blow_to(const SolidPtr& solid, const std::shared_ptr<const BreakableD
     return {solid, desc, blow, damage, seed, glm::dvec3(0.0)};
 }
 
+// The place of the surface that a ray towards the centre of mass meets first.
 glm::dvec3 place_on(const SolidPiece& solid, uint64_t number) {
-    return solid.surface().mesh.positions[(number * 7919 + 101) * 104'729 % solid.surface().mesh.positions.size()];
+    fracture::Random random(number + 1);
+    const double z = 2.0 * random.uniform() - 1.0;
+    const double angle = 2.0 * std::numbers::pi * random.uniform(), r = std::sqrt(1.0 - z * z);
+    const glm::dvec3 centre = solid.mass.centre_of_mass;
+    const glm::dvec3 from =
+        centre + 2.0 * double{solid.radius} * glm::dvec3(r * std::cos(angle), r * std::sin(angle), z);
+    const std::optional<double> hit = fracture::first_hit(solid.clusters, from, centre);
+    return fracture::nearest_on(solid.clusters, hit ? from + *hit * (centre - from) : from);
 }
 
 double milliseconds(Clock::duration duration) {
     return std::chrono::duration<double, std::milli>(duration).count();
 }
 
-// The median of blows to the whole object at several places, and of the blows that follow each other, each at another
-// place of what is left.
+// Times of blows, ms, and what is drawn anew after them.
+struct Measured {
+    std::vector<double> cut, draw, kilobytes;
+
+    // Returns the largest piece; nothing if the cut failed.
+    SolidPtr blow(const SolidPtr& solid, const std::shared_ptr<const BreakableDesc>& desc, const Case& which,
+                  uint64_t number, std::vector<SolidPtr>* others = nullptr) {
+        const PlannedCut planned = blow_to(solid, desc, place_on(*solid, number), 2.0 * which.share, number);
+        const Clock::time_point start = Clock::now();
+        Result<std::vector<SolidPtr>> pieces = carry_out(planned, {});
+        const Clock::time_point made = Clock::now();
+        if (!pieces) return nullptr;
+        uint64_t bytes = 0;
+        for (const SolidPtr& piece : *pieces) bytes += draw_piece(*piece, solid.get())->batch.bytes();
+        cut.push_back(milliseconds(made - start));
+        draw.push_back(milliseconds(Clock::now() - made));
+        kilobytes.push_back(static_cast<double>(bytes) / 1000.0);
+        const auto largest = std::ranges::max_element(*pieces, {}, [](const SolidPtr& p) { return p->mass.volume; });
+        SolidPtr rest = std::move(*largest);
+        pieces->erase(largest);
+        if (others) others->insert(others->end(), pieces->begin(), pieces->end());
+        return rest;
+    }
+};
+
+// The median of blows to the whole object at several places, and of blows that follow each other, each at another place
+// of what is left.
 void run(benchmark::State& state, const Case& which) {
     auto desc = std::make_shared<BreakableDesc>();
     desc->solid = {.material = material_preset("stone")->material, .min_size = 0.01};
     desc->solid.rough.amount = which.roughness;
     desc->max_pieces = max_pieces;
     const fracture::TriangleMesh mesh = scaled(which.mesh());
+    const size_t triangles = mesh.triangles.size();
+    const uint64_t without_solid = heap_use().live;
     const Clock::time_point begin = Clock::now();
-    const Result<SolidPtr> whole = make_solid(mesh, desc->solid);
+    Result<SolidPtr> whole = make_solid(mesh, desc->solid);
     if (!whole) return state.SkipWithError(whole.error().message.c_str());
     state.counters["prepare"] = milliseconds(Clock::now() - begin);
-    state.counters["triangles"] = static_cast<double>(mesh.triangles.size());
-    std::vector<double> first, later;
+    state.counters["triangles"] = static_cast<double>(triangles);
+    const auto unbroken = static_cast<double>(heap_use().live - without_solid);
+    Measured first, later;
+    std::vector<double> whole_mesh_cut;
     for (auto _ : state) {
-        SolidPtr solid = *whole;
-        for (uint64_t k = 0; k < blows_in_a_row; ++k) {
-            for (const bool to_whole : {true, false}) {
-                const SolidPtr& struck = to_whole ? *whole : solid;
-                const PlannedCut cut = blow_to(struck, desc, place_on(*struck, k), 2.0 * which.share, k);
-                const Clock::time_point start = Clock::now();
-                const Result<std::vector<SolidPtr>> pieces = carry_out(cut, {});
-                (to_whole ? first : later).push_back(milliseconds(Clock::now() - start));
-                if (!pieces) return state.SkipWithError(pieces.error().message.c_str());
-                if (!to_whole)
-                    solid = *std::ranges::max_element(*pieces, {}, [](const SolidPtr& p) { return p->mass.volume; });
-            }
-        }
-        state.SetIterationTime(median(first) * 1e-3);
-    }
-    if (mesh.triangles.size() < 2'000'000) {
-        auto without = std::make_shared<SolidPiece>(**whole);
-        without->clusters = {};
-        std::vector<double> times;
-        for (uint64_t k = 0; k < 3; ++k) {
-            const PlannedCut cut = blow_to(without, desc, place_on(*without, k), 2.0 * which.share, k);
+        for (uint64_t k = 0; k < blows_in_a_row; ++k)
+            if (!first.blow(*whole, desc, which, k)) return state.SkipWithError("a blow failed");
+        for (uint64_t k = 0; k < 3 && triangles < 2'000'000; ++k) {
+            auto without = std::make_shared<SolidPiece>(**whole);
+            without->clusters = {};
+            const PlannedCut cut = blow_to(without, desc, place_on(**whole, k), 2.0 * which.share, k);
             const Clock::time_point start = Clock::now();
             benchmark::DoNotOptimize(carry_out(cut, {}).has_value());
-            times.push_back(milliseconds(Clock::now() - start));
+            whole_mesh_cut.push_back(milliseconds(Clock::now() - start));
         }
-        state.counters["whole"] = median(times);
+        SolidPtr solid = std::move(*whole);
+        std::vector<SolidPtr> others;
+        for (uint64_t k = 0; k < blows_in_a_row; ++k) {
+            solid = later.blow(solid, desc, which, k, &others);
+            if (!solid) return state.SkipWithError("a blow failed");
+        }
+        state.counters["memory"] = static_cast<double>(heap_use().live - without_solid) / unbroken;
+        state.SetIterationTime(median(first.cut) * 1e-3);
     }
-    state.counters["first"] = median(first);
-    state.counters["first_max"] = longest(first);
-    state.counters["later"] = median(later);
-    state.counters["later_max"] = longest(later);
+    if (!whole_mesh_cut.empty()) state.counters["whole"] = median(whole_mesh_cut);
+    state.counters["first"] = median(first.cut);
+    state.counters["first_max"] = longest(first.cut);
+    state.counters["later"] = median(later.cut);
+    state.counters["later_max"] = longest(later.cut);
+    state.counters["draw"] = median(later.draw);
+    state.counters["draw_max"] = longest(later.draw);
+    state.counters["upload_kB"] = median(later.kilobytes);
+    state.counters["upload_kB_max"] = longest(later.kilobytes);
 }
 
 } // namespace

@@ -65,7 +65,7 @@ TEST_CASE("stage: a blow makes new parts of a large piece near it alone, and the
     physics::BreakableDesc desc;
     desc.solid.min_size = 0.01;
     const physics::SolidPtr whole = must(physics::make_solid(theatre.input.model.mesh, desc.solid));
-    const auto before = draw_piece(*theatre.renderer, *whole, nullptr);
+    const auto before = draw_piece(*whole, nullptr);
     const glm::dvec3 point = whole->surface().mesh.positions[0];
     const physics::Blow blow{point, glm::normalize(whole->mass.centre_of_mass - point), 1e3, 1e9};
     const physics::ImpactSites sites =
@@ -73,7 +73,7 @@ TEST_CASE("stage: a blow makes new parts of a large piece near it alone, and the
     const auto pieces = must(physics::break_solid(*whole, sites.sites, sites.groups, desc.solid));
     size_t large = 0;
     for (const physics::SolidPtr& piece : pieces) {
-        const auto drawing = draw_piece(*theatre.renderer, *piece, whole.get());
+        const auto drawing = draw_piece(*piece, whole.get());
         if (!piece->is_clustered()) {
             CHECK(drawing->batch.pieces().size() == 1);
             CHECK(drawing->made.empty());

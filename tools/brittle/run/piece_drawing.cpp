@@ -87,8 +87,7 @@ engine::PieceBatch draw_branches(const physics::SolidPiece& solid, std::span<con
     return must(engine::PieceBatch::create(pieces));
 }
 
-std::unique_ptr<PieceDrawing> draw_piece(const engine::Renderer& renderer, const physics::SolidPiece& solid,
-                                         const physics::SolidPiece* cut_from) {
+std::unique_ptr<PieceDrawing> draw_piece(const physics::SolidPiece& solid, const physics::SolidPiece* cut_from) {
     auto drawing = std::make_unique<PieceDrawing>();
     if (solid.is_clustered()) {
         std::unordered_set<const void*> drawn;
@@ -101,7 +100,6 @@ std::unique_ptr<PieceDrawing> draw_piece(const engine::Renderer& renderer, const
     } else {
         drawing->batch = draw_whole(solid);
     }
-    renderer.stage(drawing->batch);
     return drawing;
 }
 

@@ -4,15 +4,16 @@
 // each branch of its clusters, with positions in the coordinates of the object. A piece that is cut from another has
 // most branches in common with it. Their parts stay on the device; only the others are made.
 //
-//     std::unique_ptr<PieceDrawing> drawing = draw_piece(renderer, solid, cut_from);
-//     ... add drawing->made, and attach the parts drawn for drawing->kept to the new body ...
+//     std::unique_ptr<PieceDrawing> drawing = draw_piece(solid, cut_from); // on any thread
+//     renderer.stage(drawing->batch);
+//     ... add drawing->batch, and attach the parts drawn for drawing->kept to the new body ...
 #pragma once
 
 #include <memory>
 #include <span>
 #include <vector>
 
-#include "engine/render/renderer.h"
+#include "engine/render/piece_batch.h"
 #include "fracture/local/cluster_mesh.h"
 #include "physics/cutting/debris.h"
 #include "physics/cutting/piece_payload.h"
@@ -25,10 +26,9 @@ struct PieceDrawing : physics::PiecePayload {
     std::vector<fracture::ClusterBranch> kept; // branches that the piece has in common with the one that was cut
 };
 
-// Makes and stages what `solid` does not have in common with the piece that it was cut from; that may be null. On any
-// thread. Throws a Failure.
-[[nodiscard]] std::unique_ptr<PieceDrawing>
-draw_piece(const engine::Renderer& renderer, const physics::SolidPiece& solid, const physics::SolidPiece* cut_from);
+// Makes what `solid` does not have in common with the piece that it was cut from; that may be null. Throws a Failure.
+[[nodiscard]] std::unique_ptr<PieceDrawing> draw_piece(const physics::SolidPiece& solid,
+                                                       const physics::SolidPiece* cut_from);
 
 // The parts of a large piece that draw some of its branches, in their order. Throws a Failure.
 [[nodiscard]] engine::PieceBatch draw_branches(const physics::SolidPiece& solid,

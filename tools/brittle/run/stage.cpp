@@ -30,7 +30,9 @@ uint32_t packed(const glm::vec3& linear) {
 // the result when the piece appears.
 physics::PayloadMaker drawing_maker(const engine::Renderer& renderer) {
     return [&renderer](const physics::SolidPiece& solid, const physics::SolidPiece* cut_from) {
-        return draw_piece(renderer, solid, cut_from);
+        auto drawing = draw_piece(solid, cut_from);
+        renderer.stage(drawing->batch);
+        return drawing;
     };
 }
 
