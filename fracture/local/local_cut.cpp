@@ -262,18 +262,24 @@ std::optional<LocalCut> LocalCut::make(const ClusterMesh& mesh, std::span<const 
         std::ranges::set_union(region->sites, bent->sites, std::back_inserter(either));
         region->sites = either;
     }
-    LocalCut cut;
-    cut.mesh_ = mesh;
-    cut.near_sites_ = region->sites;
-    TriangleMesh patch;
-    try {
-        if (!cut.take_patch(mesh, region->box, patch) || !cut.close_patch(region->box, patch)
-            || !cut.cut_patch(patch, region->box, sites, groups, rest, settings))
+    // Where no lids are found, those of a larger patch may be.
+    for (const double growth : {0.0, 0.2, 0.5}) {
+        const glm::dvec3 more = growth * region->box.size();
+        const Box box{region->box.min - more, region->box.max + more};
+        LocalCut cut;
+        cut.mesh_ = mesh;
+        cut.near_sites_ = region->sites;
+        TriangleMesh patch;
+        try {
+            if (!cut.take_patch(mesh, box, patch)) return std::nullopt;
+            if (!cut.close_patch(box, patch)) continue;
+            if (!cut.cut_patch(patch, box, sites, groups, rest, settings)) return std::nullopt;
+            return cut;
+        } catch (const Threads::Cancelled&) {
             return std::nullopt;
-    } catch (const Threads::Cancelled&) {
-        return std::nullopt;
+        }
     }
-    return cut;
+    return std::nullopt;
 }
 
 // The parts of what remains. The mass of the largest is that of all less the others'.

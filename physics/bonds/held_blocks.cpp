@@ -4,8 +4,10 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <optional>
 
 #include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
 
 #include "fracture/base/random.h"
 #include "fracture/base/union_find.h"
@@ -58,6 +60,11 @@ std::vector<MidPoint> mid_points(const fracture::TriangleMesh& mesh) {
             found.push_back({on + 0.5 * *thick * through.inward(t), std::max(*thick, least)});
     }
     return found;
+}
+
+void set_min_area(HeldBlocks& blocks) {
+    blocks.min_area = std::numeric_limits<double>::infinity();
+    for (const StressBond& bond : blocks.bonds) blocks.min_area = std::min(blocks.min_area, bond.area);
 }
 
 // Blocks under load, whose overloaded contacts break. Islands without a fixed block fall and carry no load.
@@ -165,21 +172,86 @@ held_blocks(const fracture::TriangleMesh& mesh, float density, const HeldBlockSe
             const std::function<bool()>& cancelled) {
     auto blocks = std::make_shared<HeldBlocks>();
     blocks->sites = block_sites(mesh, std::max(settings.max_blocks, 2u));
-    if (blocks->sites.size() < 2) return nullptr;
+    if (blocks->sites.empty()) return nullptr;
     const fracture::Result<fracture::Fragments> cut =
         fracture::fracture(mesh, blocks->sites, {.threads = threads, .cancelled = cancelled});
-    if (!cut || cut->pieces.size() < 2) return nullptr;
+    if (!cut) return nullptr;
     for (const fracture::Piece& piece : cut->pieces) {
         blocks->nodes.push_back({piece.mass.centre_of_mass, piece.mass.volume * static_cast<double>(density),
                                  piece.mass.inertia * static_cast<double>(density), held(*cut, piece)});
         blocks->cells.push_back(piece.site);
     }
-    blocks->min_area = std::numeric_limits<double>::infinity();
-    for (const fracture::Bond& bond : cut->bonds) {
+    for (const fracture::Bond& bond : cut->bonds)
         blocks->bonds.push_back({bond.a, bond.b, bond.area, bond.centroid, bond.normal});
-        blocks->min_area = std::min(blocks->min_area, bond.area);
-    }
+    for (const StressNode& node : blocks->nodes) blocks->first_masses.push_back(node.mass);
+    for (const StressBond& bond : blocks->bonds) blocks->first_areas.push_back(bond.area);
+    set_min_area(*blocks);
     return blocks;
+}
+
+namespace {
+
+glm::dmat3 about_offset(double mass, const glm::dvec3& offset) {
+    return mass * (glm::dot(offset, offset) * glm::dmat3(1.0) - glm::outerProduct(offset, offset));
+}
+
+// Takes a part out of a node (the theorem of Huygens and Steiner).
+void take_out(StressNode& node, double mass, const glm::dvec3& centre, const glm::dmat3& inertia) {
+    const double left = node.mass - mass;
+    const glm::dvec3 moved = (mass / left) * (node.centre - centre); // of the node's centre
+    node.inertia += about_offset(node.mass, moved) - inertia - about_offset(mass, centre - node.centre - moved);
+    node.centre += moved;
+    node.mass = left;
+}
+
+// Takes a part out of a contact.
+void take_out(StressBond& bond, double area, const glm::dvec3& centroid) {
+    const double left = bond.area - area;
+    bond.centroid += (area / left) * (bond.centroid - centroid);
+    bond.area = left;
+}
+
+} // namespace
+
+std::shared_ptr<const HeldBlocks> blocks_without(const HeldBlocks& blocks, const fracture::TriangleMesh& lost,
+                                                 float density, uint32_t threads) {
+    constexpr double least_mass = 0.5, least_area = 0.5; // shares of the first ones
+    constexpr double negligible_area = 1e-3;             // of the smallest contact
+    const fracture::Result<fracture::Fragments> cut = fracture::fracture(lost, blocks.sites, {.threads = threads});
+    if (!cut) return nullptr;
+    auto left = std::make_shared<HeldBlocks>(blocks);
+    // Of the blocks of one cell, a piece is part of the nearest.
+    const auto node_of = [&](const fracture::Piece& piece) {
+        std::optional<uint32_t> nearest;
+        double least = std::numeric_limits<double>::infinity();
+        for (uint32_t node = 0; node < blocks.nodes.size(); ++node) {
+            const double distance = glm::distance(blocks.nodes[node].centre, piece.mass.centre_of_mass);
+            if (blocks.cells[node] == piece.site && distance < least) least = distance, nearest = node;
+        }
+        return nearest;
+    };
+    std::vector<uint32_t> nodes; // by piece
+    for (const fracture::Piece& piece : cut->pieces) {
+        const std::optional<uint32_t> found = node_of(piece);
+        if (!found) return nullptr;
+        const uint32_t node = nodes.emplace_back(*found);
+        const double mass = piece.mass.volume * static_cast<double>(density);
+        if (!(left->nodes[node].mass - mass > least_mass * blocks.first_masses[node])) return nullptr;
+        take_out(left->nodes[node], mass, piece.mass.centre_of_mass, piece.mass.inertia * static_cast<double>(density));
+    }
+    for (const fracture::Bond& contact : cut->bonds) {
+        const uint32_t a = nodes[contact.a], b = nodes[contact.b];
+        if (a == b || contact.area < negligible_area * blocks.min_area) continue;
+        const auto bond = std::ranges::find_if(left->bonds, [&](const StressBond& other) {
+            return (other.a == a && other.b == b) || (other.a == b && other.b == a);
+        });
+        if (bond == left->bonds.end()) return nullptr;
+        const double first = blocks.first_areas[static_cast<size_t>(bond - left->bonds.begin())];
+        if (!(bond->area - contact.area > least_area * first)) return nullptr;
+        take_out(*bond, contact.area, contact.centroid);
+    }
+    set_min_area(*left);
+    return left;
 }
 
 std::vector<uint32_t> islands_under_load(const HeldBlocks& blocks, const Material& material, float strength_scale,

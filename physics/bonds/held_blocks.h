@@ -44,6 +44,8 @@ struct HeldBlocks {
     std::vector<uint32_t> cells;   // by node: the site of its cell
     std::vector<StressBond> bonds;
     double min_area = 0.0; // m^2, of the smallest contact
+    // When the solid was divided: the masses of the nodes, kg, and the areas of the bonds, m^2.
+    std::vector<double> first_masses, first_areas;
 };
 
 // Returns sites for blocks. Candidates lie halfway through the solid from sampled surface points. The first site is at
@@ -53,11 +55,19 @@ struct HeldBlocks {
 [[nodiscard]] std::vector<glm::dvec3> block_sites(const fracture::TriangleMesh& mesh, uint32_t max_sites);
 
 // Divides the solid into blocks. `held` returns whether a piece of that fracture is fixed to the world. threads: 0 is
-// one a core. Null if the solid cannot be fractured, yields one block only, or `cancelled` returns true.
+// one a core. One block, without bonds, if the solid is nowhere thinner than elsewhere. Null if it cannot be fractured,
+// or `cancelled` returns true.
 [[nodiscard]] std::shared_ptr<const HeldBlocks>
 held_blocks(const fracture::TriangleMesh& mesh, float density, const HeldBlockSettings& settings,
             const std::function<bool(const fracture::Fragments&, const fracture::Piece&)>& held, uint32_t threads = 1,
             const std::function<bool()>& cancelled = {});
+
+// The blocks of a solid that lost some of its pieces: masses and contact areas less those of `lost`, the closed surfaces
+// of the pieces. Costs a fracture of these alone. Null where the solid must be divided anew, because blocks no longer
+// tell where it is weak: a contact or a block has lost too much, or it is not clear which block has lost something.
+// Precondition: no lost piece is held.
+[[nodiscard]] std::shared_ptr<const HeldBlocks>
+blocks_without(const HeldBlocks& blocks, const fracture::TriangleMesh& lost, float density, uint32_t threads = 1);
 
 // A permanent force, N, or the impulse of a blow, N s, at a point of the solid.
 struct PointLoad {

@@ -146,12 +146,29 @@ class NearBreak {
             finish(solid, settings_);
             const double moved = glm::distance(solid.mass.centre_of_mass, solid_.mass.centre_of_mass);
             solid.radius = std::min(solid.radius, solid_.radius + static_cast<float>(moved));
-            add_blocks(solid, settings_, cancelled_);
+            if (left.size() == 1) keep_blocks(solid);
+            if (!solid.blocks) add_blocks(solid, settings_, cancelled_);
             // Inside of what remains, the surface of all remains is that of one part.
             solid.parts = remaining_parts({solid_.parts, solid_.mass.centre_of_mass}, solid.clusters, left.size() > 1,
                                           {planes_, lost}, least, solid.mass.centre_of_mass, settings_.parts.hull);
         }
         return remains;
+    }
+
+    // Blocks that tell of what remains nearly what they told of the solid.
+    void keep_blocks(SolidPiece& rest) const {
+        if (!solid_.blocks || !rest.anchored || !rest.breakable) return;
+        const Fragments& cells = cut_.cells;
+        fracture::TriangleMesh lost;
+        for (const Piece& piece : cells.pieces) {
+            if (cut_.is_open(piece)) continue;
+            const auto positions = cells.positions_of(piece);
+            const auto base = static_cast<uint32_t>(lost.positions.size());
+            if (reaches(settings_.anchors, positions, cells.triangles_of(piece))) return;
+            lost.positions.insert(lost.positions.end(), positions.begin(), positions.end());
+            for (const fracture::Triangle& t : cells.triangles_of(piece)) lost.triangles.push_back(t + base);
+        }
+        rest.blocks = blocks_without(*solid_.blocks, lost, settings_.material.density, settings_.threads);
     }
 
     // A crumb of the rest, which nothing holds any more, takes its side of the cell; `centre` is that of the rest.

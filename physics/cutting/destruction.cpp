@@ -105,7 +105,7 @@ void Destruction::remove(World& world, ObjectId id) {
 // Starts a job for a held piece that is too weak for its own weight.
 void Destruction::part_if_overloaded(const World& world, PieceId id) {
     const Live& piece = pieces_.at(id);
-    if (!piece.solid->blocks) return;
+    if (!piece.solid->may_part()) return;
     const SolidSettings& settings = desc_of(piece).solid;
     std::vector<uint32_t> islands = islands_under_load(*piece.solid->blocks, settings.material,
                                                        settings.blocks.strength_scale, gravity_of(world, piece), {});

@@ -40,7 +40,7 @@ std::vector<SolidPtr> standing(std::vector<SolidPtr> pieces, const SolidSettings
                                const std::function<bool()>& cancelled) {
     std::vector<SolidPtr> all;
     for (SolidPtr& piece : pieces) {
-        if (!piece->blocks) {
+        if (!piece->may_part()) {
             all.push_back(std::move(piece));
             continue;
         }
@@ -270,7 +270,7 @@ glm::dvec3 Destruction::gravity_of(const World& world, const Live& piece) const 
 void Destruction::break_elsewhere(const World& world, PieceId id, const Hit& hit,
                                   const std::optional<PlannedCut>& chip) {
     Live& piece = pieces_.at(id);
-    if (!piece.solid->blocks || piece.job != none || piece.unbreakable || piece.fading > 0) return;
+    if (!piece.solid->may_part() || piece.job != none || piece.unbreakable || piece.fading > 0) return;
     const double impulse = static_cast<double>(glm::length(hit.contact.normal_impulse));
     if (!(impulse > 0.0)) return;
     const Material& material = desc_of(piece).solid.material;
@@ -289,7 +289,7 @@ void Destruction::break_elsewhere(const World& world, PieceId id, const Hit& hit
 void Destruction::update_loads(const World& world) {
     std::map<BodyId, PieceId> held; // in a fixed order
     for (const auto& [id, piece] : pieces_)
-        if (piece.solid->blocks && piece.bonded == none) held.emplace(piece.own, id);
+        if (piece.solid->may_part() && piece.bonded == none) held.emplace(piece.own, id);
     if (held.empty()) return;
     std::map<PieceId, std::vector<PointLoad>> loads;
     const double step = world.settings().step;

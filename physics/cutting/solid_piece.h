@@ -67,6 +67,8 @@ class SolidPiece {
     [[nodiscard]] size_t triangle_count() const;
     [[nodiscard]] size_t vertex_count() const;
     [[nodiscard]] bool is_clustered() const { return clusters.triangle_count() > 0; }
+    // Whether a section of a held piece may break under load, or under a blow elsewhere.
+    [[nodiscard]] bool may_part() const { return blocks && blocks->nodes.size() > 1; }
 
     // The surface in clusters, tagged (solid_maker.h), so that a blow costs what it breaks; only of large, breakable
     // solids of one surface.

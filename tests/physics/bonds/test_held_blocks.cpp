@@ -77,6 +77,78 @@ TEST_CASE("blocks: a solid that is not held, too small to break or degenerate ha
     CHECK(block_sites(flat, 10).size() <= 10);
 }
 
+TEST_CASE("blocks: those of a solid without a chip are those of the remains, divided by the same sites") {
+    const fracture::TriangleMesh mesh = mushroom(0.15);
+    const std::shared_ptr<const HeldBlocks> blocks = blocks_of(mesh);
+    REQUIRE(blocks);
+    for (const glm::dvec3& place :
+         {glm::dvec3(0.5, 1.25, 0.0), glm::dvec3(0.0, 1.5, 0.4), glm::dvec3(0.15, 0.5, 0.0)}) {
+        // What is near the place leaves, in two pieces; the rest is one.
+        const double reach = 0.08;
+        std::vector<glm::dvec3> sites{place, place + glm::dvec3(0.0, 0.5 * reach, 0.0)};
+        for (int axis = 0; axis < 3; ++axis)
+            for (const double side : {-1.0, 1.0}) {
+                sites.push_back(place);
+                sites.back()[axis] += side * 2.0 * reach;
+            }
+        const auto cut = fracture::fracture(mesh, sites, {.groups = {0, 1, 2, 2, 2, 2, 2, 2}});
+        REQUIRE(cut);
+        fracture::TriangleMesh lost, rest;
+        for (const fracture::Piece& piece : cut->pieces) {
+            fracture::TriangleMesh& to = piece.site < 2 ? lost : rest;
+            const auto base = static_cast<uint32_t>(to.positions.size());
+            const auto positions = cut->positions_of(piece);
+            to.positions.insert(to.positions.end(), positions.begin(), positions.end());
+            for (const fracture::Triangle& t : cut->triangles_of(piece)) to.triangles.push_back(t + base);
+        }
+        const auto left = blocks_without(*blocks, lost, concrete.density);
+        REQUIRE(left);
+        const auto expected = fracture::fracture(rest, blocks->sites);
+        REQUIRE(expected);
+        REQUIRE(expected->pieces.size() == left->nodes.size()); // in the same order
+        for (size_t k = 0; k < left->nodes.size(); ++k) {
+            const fracture::Piece& piece = expected->pieces[k];
+            const double density = concrete.density;
+            REQUIRE(piece.site == left->cells[k]);
+            CHECK(left->nodes[k].mass == doctest::Approx(density * piece.mass.volume).epsilon(1e-9));
+            CHECK(glm::distance(left->nodes[k].centre, piece.mass.centre_of_mass) < 1e-9);
+            for (int axis = 0; axis < 3; ++axis)
+                for (int other = 0; other < 3; ++other)
+                    CHECK(std::abs(left->nodes[k].inertia[axis][other] - density * piece.mass.inertia[axis][other])
+                          < 1e-9 * density);
+        }
+        REQUIRE(expected->bonds.size() == left->bonds.size());
+        for (const StressBond& bond : left->bonds) {
+            const auto same = std::ranges::find_if(expected->bonds, [&](const fracture::Bond& other) {
+                return std::minmax(other.a, other.b) == std::minmax(bond.a, bond.b);
+            });
+            REQUIRE(same != expected->bonds.end());
+            CHECK(bond.area == doctest::Approx(same->area).epsilon(1e-9));
+            CHECK(glm::distance(bond.centroid, same->centroid) < 1e-9);
+            CHECK(left->min_area <= bond.area);
+        }
+    }
+}
+
+TEST_CASE("blocks: a solid that loses most of a block, or what no block holds, is divided anew") {
+    const fracture::TriangleMesh mesh = mushroom(0.1);
+    const std::shared_ptr<const HeldBlocks> blocks = blocks_of(mesh);
+    REQUIRE(blocks);
+    CHECK_FALSE(blocks_without(*blocks, mesh, concrete.density));
+    const auto moved = [](fracture::TriangleMesh other, const glm::dvec3& size, const glm::dvec3& to) {
+        for (glm::dvec3& p : other.positions) p = size * p + to;
+        return other;
+    };
+    // Most of the stem's section, a little of its length.
+    CHECK_FALSE(
+        blocks_without(*blocks, moved(fracture::cube(1.0), {0.14, 0.2, 0.14}, {0.0, 0.5, 0.0}), concrete.density));
+    const auto left =
+        blocks_without(*blocks, moved(fracture::cube(1.0), glm::dvec3(0.01), {0.0, 1.2, 0.0}), concrete.density);
+    REQUIRE(left);
+    CHECK(left->first_masses == blocks->first_masses);
+    CHECK(left->first_areas == blocks->first_areas);
+}
+
 TEST_CASE("blocks: sites lie inside and denser where the solid is thin, and masses sum to the total") {
     const fracture::TriangleMesh mesh = mushroom(0.1);
     const std::vector<glm::dvec3> sites = block_sites(mesh, 96);

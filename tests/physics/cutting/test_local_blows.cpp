@@ -10,6 +10,7 @@
 #include <glm/geometric.hpp>
 
 #include "fracture/base/random.h"
+#include "fracture/local/cluster_queries.h"
 #include "fracture/mesh/inside.h"
 #include "fracture/mesh/topology.h"
 #include "fracture/shapes/shapes.h"
@@ -215,6 +216,32 @@ TEST_CASE("local blow: a ring that is broken through twice falls into two solids
             for (const glm::vec3& p : part.hull->points)
                 CHECK_FALSE(in_other(own.mass.centre_of_mass + glm::dvec3(part.offset + p)));
     }
+}
+
+TEST_CASE("local blow: blows into one crater stay local, and keep the blocks of a held solid") {
+    SolidSettings held = settings();
+    held.anchors = {fracture::Box{glm::dvec3(-9.0), glm::dvec3(9.0, -0.9, 9.0)}};
+    const fracture::TriangleMesh mesh = fracture::icosphere(5);
+    SolidPtr solid = *make_solid(mesh, held);
+    REQUIRE(solid->blocks);
+    const std::shared_ptr<const HeldBlocks> first = solid->blocks;
+    double lost = 0.0;
+    for (uint64_t seed = 1; seed <= 6; ++seed) {
+        const glm::dvec3 point = fracture::nearest_on(solid->clusters, glm::dvec3(1.0, 0.0, 0.0));
+        const ImpactSites sites = sites_at(*solid, point, 0.2, seed);
+        const auto pieces = break_solid(*solid, sites.sites, sites.groups, held);
+        REQUIRE(pieces.has_value());
+        const SolidPiece& rest = largest(*pieces);
+        REQUIRE(rest.is_clustered());
+        REQUIRE(rest.blocks);
+        CHECK(rest.blocks->sites == first->sites); // not divided anew
+        lost = solid_of(mesh)->mass.volume - rest.mass.volume;
+        double mass = 0.0;
+        for (const StressNode& node : rest.blocks->nodes) mass += node.mass;
+        CHECK(mass == doctest::Approx(rest.body.mass));
+        solid = *std::ranges::max_element(*pieces, {}, [](const SolidPtr& piece) { return piece->mass.volume; });
+    }
+    CHECK(lost > 0.01);
 }
 
 TEST_CASE("local blow: a budget knows the surface of the cracks, and ends a cut that exceeds it") {
