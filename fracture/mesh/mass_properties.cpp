@@ -9,6 +9,8 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
+#include "fracture/base/simd.h"
+
 namespace brittle::fracture {
 namespace {
 
@@ -66,15 +68,18 @@ glm::dvec3 mean_of_corners(std::span<const glm::dvec3> positions, std::span<cons
     return near + sum / (3.0 * static_cast<double>(triangles.size()));
 }
 
-// Returns the two shorter edges of a triangle, in its orientation.
+// Returns the two shorter edges of a triangle, in its orientation. Selects instead of branches: the longest edge is as
+// good as random, and the loops below can be vectorised.
 std::array<glm::dvec3, 2> shorter_edges(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
-    const std::array<glm::dvec3, 5> edges{b - a, c - b, a - c, b - a, c - b};
-    const double ab2 = dot(edges[0], edges[0]), bc2 = dot(edges[1], edges[1]), ca2 = dot(edges[2], edges[2]);
-    // Selected by index instead of by branch: the longest edge is as good as random, and a mispredicted branch would
-    // cost more than the rest.
-    const bool bc_is_longest = static_cast<bool>((bc2 >= ab2) & (bc2 >= ca2));
-    const size_t longest = bc_is_longest ? 1 : 2 * static_cast<size_t>(ca2 >= ab2);
-    return {edges[longest + 1], edges[longest + 2]};
+    const glm::dvec3 ab = b - a, bc = c - b, ca = a - c;
+    const double ab2 = dot(ab, ab), bc2 = dot(bc, bc), ca2 = dot(ca, ca);
+    const bool bc_is_longest = static_cast<bool>((bc2 >= ab2) & (bc2 >= ca2)), ca_exceeds_ab = ca2 >= ab2;
+    const auto select = [&](double if_ab, double if_bc, double if_ca) {
+        const double other = ca_exceeds_ab ? if_ca : if_ab;
+        return bc_is_longest ? if_bc : other;
+    };
+    return {glm::dvec3(select(bc.x, ca.x, ab.x), select(bc.y, ca.y, ab.y), select(bc.z, ca.z, ab.z)),
+            glm::dvec3(select(ca.x, ab.x, bc.x), select(ca.y, ab.y, bc.y), select(ca.z, ab.z, bc.z))};
 }
 
 // Returns the normal of a triangle with a length of twice its area, from its two shorter edges: in a needle, the
@@ -85,18 +90,59 @@ glm::dvec3 area_vector(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec
     return cross(edges[0], edges[1]);
 }
 
-// Sums the terms of all triangles. add_term() receives the corners relative to `origin`, the normal and the sums.
-template<size_t N, class Term>
-CompensatedSum<N> integrate(std::span<const glm::dvec3> positions, std::span<const Triangle> triangles,
-                            const glm::dvec3& origin, Term&& add_term) {
-    CompensatedSum<N> total;
-    for (size_t begin = 0; begin < triangles.size(); begin += block_size) {
-        std::array<double, N> block{};
-        for (const Triangle& t : triangles.subspan(begin, std::min(block_size, triangles.size() - begin))) {
-            const glm::dvec3 &a = positions[t.x], &b = positions[t.y], &c = positions[t.z];
-            add_term(a - origin, b - origin, c - origin, area_vector(a, b, c), block);
+// The corners of the triangles that one vectorised loop integrates: some triangles of each of `lanes` blocks.
+constexpr size_t lanes = 4;
+constexpr size_t steps = 16;
+struct Batch {
+    std::array<std::array<double, lanes * steps>, 9> corners; // x, y, z of the first, the second, the third
+    // Per step and lane. Beyond the end of the triangles follow points, which add zero to each sum.
+    void gather(std::span<const glm::dvec3> positions, std::span<const Triangle> triangles) {
+        const glm::dvec3& filler = positions[triangles[0].x];
+        for (size_t lane = 0; lane < lanes; ++lane) {
+            for (size_t step = 0; step < steps; ++step) {
+                const size_t t = lane * block_size + step, j = step * lanes + lane;
+                const bool there = t < triangles.size();
+                for (int k = 0; k < 3; ++k) {
+                    const glm::dvec3& p = there ? positions[triangles[t][k]] : filler;
+                    for (int m = 0; m < 3; ++m) corners[static_cast<size_t>(3 * k + m)][j] = p[m];
+                }
+            }
         }
-        total.add(block);
+    }
+    [[nodiscard]] glm::dvec3 corner(size_t k, size_t j) const {
+        return {corners[3 * k][j], corners[3 * k + 1][j], corners[3 * k + 2][j]};
+    }
+};
+
+// Sums the terms of all triangles, those of `lanes` blocks at a time. term() receives the corners relative to `origin`
+// and the normal. Inlined into functions that are compiled for several processors (simd.h).
+template<size_t N, class Term>
+[[gnu::always_inline]] inline CompensatedSum<N> integrate(std::span<const glm::dvec3> positions,
+                                                          std::span<const Triangle> triangles, const glm::dvec3& origin,
+                                                          const Term& term) {
+    CompensatedSum<N> total;
+    Batch batch;
+    std::array<std::array<double, lanes * steps>, N> terms;
+    for (size_t begin = 0; begin < triangles.size(); begin += lanes * block_size) {
+        std::array<std::array<double, lanes>, N> sums{};
+        const size_t end = std::min(triangles.size(), begin + block_size);
+        for (size_t first = begin; first < end; first += steps) {
+            batch.gather(positions, triangles.subspan(first, std::min(triangles.size() - first, lanes * block_size)));
+            for (size_t j = 0; j < lanes * steps; ++j) {
+                const glm::dvec3 a = batch.corner(0, j), b = batch.corner(1, j), c = batch.corner(2, j);
+                const std::array<double, N> of_triangle =
+                    term(a - origin, b - origin, c - origin, area_vector(a, b, c));
+                for (size_t k = 0; k < N; ++k) terms[k][j] = of_triangle[k];
+            }
+            for (size_t k = 0; k < N; ++k)
+                for (size_t j = 0; j < lanes * steps; j += lanes)
+                    for (size_t lane = 0; lane < lanes; ++lane) sums[k][lane] += terms[k][j + lane];
+        }
+        for (size_t lane = 0; lane < lanes && begin + lane * block_size < triangles.size(); ++lane) {
+            std::array<double, N> block;
+            for (size_t k = 0; k < N; ++k) block[k] = sums[k][lane];
+            total.add(block);
+        }
     }
     return total;
 }
@@ -105,10 +151,9 @@ CompensatedSum<N> integrate(std::span<const glm::dvec3> positions, std::span<con
 
 double signed_volume(std::span<const glm::dvec3> positions, std::span<const Triangle> triangles) {
     const Frame frame = frame_of(positions, triangles);
-    const auto sums =
-        integrate<1>(positions, triangles, frame.centre,
-                     [](const glm::dvec3& a, const glm::dvec3&, const glm::dvec3&, const glm::dvec3& normal,
-                        std::array<double, 1>& sum) { sum[0] += dot(a, normal); });
+    const auto sums = integrate<1>(positions, triangles, frame.centre,
+                                   [](const glm::dvec3& a, const glm::dvec3&, const glm::dvec3&,
+                                      const glm::dvec3& normal) { return std::array<double, 1>{dot(a, normal)}; });
     return sums[0] / 6.0;
 }
 
@@ -133,28 +178,30 @@ namespace {
 // so its rounding error shrinks with the triangle.
 enum { six_volume, two_area, mx, my, mz, cxx, cyy, czz, cxy, cyz, czx, moments };
 
-CompensatedSum<moments> moments_of(std::span<const glm::dvec3> positions, std::span<const Triangle> triangles,
-                                   const glm::dvec3& origin) {
-    return integrate<moments>(positions, triangles, origin,
-                              [](const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c,
-                                 const glm::dvec3& normal, std::array<double, moments>& sum) {
-                                  const double d = dot(a, normal);
-                                  const glm::dvec3 s = a + b + c;
-                                  const auto product = [&](int i, int j) {
-                                      return d * (a[i] * a[j] + b[i] * b[j] + c[i] * c[j] + s[i] * s[j]);
-                                  };
-                                  sum[six_volume] += d;
-                                  sum[two_area] += length(normal);
-                                  sum[mx] += d * s.x;
-                                  sum[my] += d * s.y;
-                                  sum[mz] += d * s.z;
-                                  sum[cxx] += product(0, 0);
-                                  sum[cyy] += product(1, 1);
-                                  sum[czz] += product(2, 2);
-                                  sum[cxy] += product(0, 1);
-                                  sum[cyz] += product(1, 2);
-                                  sum[czx] += product(2, 0);
-                              });
+BRITTLE_SIMD CompensatedSum<moments> moments_of(std::span<const glm::dvec3> positions,
+                                                std::span<const Triangle> triangles, const glm::dvec3& origin) {
+    return integrate<moments>(
+        positions, triangles, origin,
+        [](const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, const glm::dvec3& normal) {
+            const double d = dot(a, normal);
+            const glm::dvec3 s = a + b + c;
+            const auto product = [&](int i, int j) {
+                return d * (a[i] * a[j] + b[i] * b[j] + c[i] * c[j] + s[i] * s[j]);
+            };
+            std::array<double, moments> terms;
+            terms[six_volume] = d;
+            terms[two_area] = length(normal);
+            terms[mx] = d * s.x;
+            terms[my] = d * s.y;
+            terms[mz] = d * s.z;
+            terms[cxx] = product(0, 0);
+            terms[cyy] = product(1, 1);
+            terms[czz] = product(2, 2);
+            terms[cxy] = product(0, 1);
+            terms[cyz] = product(1, 2);
+            terms[czx] = product(2, 0);
+            return terms;
+        });
 }
 
 // Second moments about the centre of mass, as an inertia tensor.
