@@ -4,15 +4,17 @@
 #include <cassert>
 #include <cmath>
 
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
 namespace brittle::fracture::exact {
 
 namespace {
 
-constexpr uint32_t min_vertices_per_chunk = 2048;
+constexpr uint32_t min_vertices_per_chunk = 8192;
 
-// The factor on the radius of a ball that covers its rounding, that of the step to the next vertex, and of their
-// squares.
-constexpr double ball_slack = 1.0 - 1e-12;
+// So many points fit the cache of a core while they are sorted.
+constexpr size_t max_points_per_grid = 1 << 15;
 
 // The neighbour that is nearer to q than c by the largest margin, decided exactly; none where c is nearest.
 SiteId nearer_neighbour(const Diagram& problem, const Frames& frames, const glm::dvec3& q, SiteId c,
@@ -34,66 +36,194 @@ SiteId nearer_neighbour(const Diagram& problem, const Frames& frames, const glm:
     return nearer;
 }
 
-// Caches in a grid of bins the balls of the points classified before, as starting points.
-class Hints {
-  public:
-    Hints(const Box& box, uint32_t points, SiteId anywhere) : low_(box.min) {
-        const double bins = std::clamp(std::round(std::cbrt(points / points_per_bin)), 1.0, max_bins_per_axis);
-        bins_ = static_cast<uint32_t>(bins);
-        per_bin_ = bins / box.size();
-        balls_.assign(size_t{bins_} * bins_ * bins_, KnownBall{VoronoiDiagram::none});
-        last_.cell = anywhere;
-    }
-
-    // The ball to start from for q. The caller replaces it by the ball that it finds.
-    [[nodiscard]] KnownBall& at(const glm::dvec3& q) {
-        uint32_t bin = 0;
-        for (int k = 0; k < 3; ++k) {
-            const auto b = static_cast<uint32_t>(std::max(0.0, (q[k] - low_[k]) * per_bin_[k]));
-            bin = bin * bins_ + std::min(b, bins_ - 1);
-        }
-        KnownBall& ball = balls_[bin];
-        if (ball.cell == VoronoiDiagram::none) ball.cell = last_.cell;
-        return ball;
-    }
-    void keep_last(const KnownBall& ball) { last_.cell = ball.cell; }
-
-  private:
-    // Most bins lie far from the surface and stay empty.
-    static constexpr double points_per_bin = 2.0;
-    static constexpr double max_bins_per_axis = 16.0;
-
-    glm::dvec3 low_;
-    glm::dvec3 per_bin_{0.0};
-    uint32_t bins_ = 1;
-    KnownBall last_{0};
-    std::vector<KnownBall> balls_;
-};
-
-} // namespace
-
-KnownBall locate(const Diagram& problem, const Frames& frames, const glm::dvec3& q, const KnownBall& from,
-                 PredicateStats& stats) {
-    SiteId c = from.cell;
+// Returns the cell of q. The search starts in cell c.
+SiteId locate(const Diagram& problem, const Frames& frames, const glm::dvec3& q, SiteId c, PredicateStats& stats) {
     for (;;) {
         const Frames::Cell& cell = frames.cells[c];
-        if (cell.begin == cell.end) return {c, q, 0.0};
+        if (cell.begin == cell.end) return c;
         const glm::dvec3 y = q - cell.site;
         const uint32_t n = Frames::padded(cell.end - cell.begin);
         const MinDistance least = min_distance_at(frames, cell.begin, n, static_cast<float>(y.x),
                                                   static_cast<float>(y.y), static_cast<float>(y.z));
-        if (least.distance > cell.float_error) {
-            return {c, q, ball_slack * (static_cast<double>(least.distance) - static_cast<double>(cell.float_error))};
-        }
+        if (least.distance > cell.float_error) return c;
         if (least.distance < -cell.float_error) {
             c = frames.site[least.slot];
             continue;
         }
         const SiteId nearer = nearer_neighbour(problem, frames, q, c, stats);
-        if (nearer == VoronoiDiagram::none) return {c, q, 0.0};
+        if (nearer == VoronoiDiagram::none) return c;
         c = nearer;
     }
 }
+
+// Points sorted by the bins of a grid.
+class Bins {
+  public:
+    void sort(std::span<const glm::dvec3> points) {
+        const double bins = std::max(1.0, std::round(std::cbrt(static_cast<double>(points.size()) / points_per_bin)));
+        const Box box = bounds(points);
+        const glm::dvec3 size = glm::max(box.size(), glm::dvec3(min_size));
+        low_ = box.min;
+        bins_ = static_cast<uint32_t>(bins);
+        per_bin_ = bins / size;
+        const glm::dvec3 furthest = glm::max(glm::abs(box.min), glm::abs(box.max));
+        radius_ = radius_slack * 0.5 * glm::length(size) / bins
+                  + position_slack * std::max({furthest.x, furthest.y, furthest.z});
+        bin_of_.resize(points.size());
+        begin_.assign(size_t{bins_} * bins_ * bins_ + 2, 0);
+        for (size_t k = 0; k < points.size(); ++k) {
+            bin_of_[k] = find(points[k]);
+            ++begin_[bin_of_[k] + 2];
+        }
+        for (size_t bin = 2; bin < begin_.size(); ++bin) begin_[bin] += begin_[bin - 1];
+        order_.resize(points.size());
+        for (uint32_t k = 0; k < points.size(); ++k) order_[begin_[bin_of_[k] + 1]++] = k;
+    }
+
+    [[nodiscard]] uint32_t count() const { return static_cast<uint32_t>(begin_.size()) - 2; }
+    [[nodiscard]] std::span<const uint32_t> points_of(uint32_t bin) const {
+        return std::span(order_).subspan(begin_[bin], begin_[bin + 1] - begin_[bin]);
+    }
+    [[nodiscard]] glm::dvec3 centre(uint32_t bin) const {
+        const glm::uvec3 place(bin / (bins_ * bins_), bin / bins_ % bins_, bin % bins_);
+        return low_ + (glm::dvec3(place) + 0.5) / per_bin_;
+    }
+    // Of a ball around a bin.
+    [[nodiscard]] double radius() const { return radius_; }
+
+  private:
+    [[nodiscard]] uint32_t find(const glm::dvec3& q) const {
+        const glm::uvec3 place = glm::min(glm::uvec3((q - low_) * per_bin_), bins_ - 1);
+        return (place.x * bins_ + place.y) * bins_ + place.z;
+    }
+
+    // Most bins lie far from the surface and stay empty.
+    static constexpr double points_per_bin = 6.0;
+    // The extent of a flat grid, in units of the scaled mesh size.
+    static constexpr double min_size = 1e-6;
+    // Cover the rounding of the bounds and of the centre of a bin: a factor on half of its diagonal, and a share of the
+    // largest coordinate.
+    static constexpr double radius_slack = 1.0 + 1e-6;
+    static constexpr double position_slack = 0x1.0p-50;
+
+    glm::dvec3 low_;
+    glm::dvec3 per_bin_{0.0};
+    double radius_ = 0.0;
+    uint32_t bins_ = 1;
+    std::vector<uint32_t> bin_of_, begin_, order_;
+};
+
+// The cells that meet one bin, as far as its points have shown. A point is tested against those planes of a cell that
+// may meet the bin: none where the bin lies in one cell, else mostly one or two.
+class CellsOfBin {
+  public:
+    CellsOfBin(const Diagram& problem, const Frames& frames, SiteId anywhere, PredicateStats& stats)
+        : problem_(problem), frames_(frames), stats_(stats), last_(anywhere) {}
+
+    void start(const glm::dvec3& centre, double radius) {
+        centre_ = centre;
+        radius_ = radius;
+        regions_.clear();
+        planes_.clear();
+        last_ = locate(problem_, frames_, centre, last_, stats_);
+        add_region(last_);
+    }
+
+    // The cell that contains the whole bin; none where there may be several.
+    [[nodiscard]] SiteId whole() const { return planes_.empty() ? regions_[0].cell : VoronoiDiagram::none; }
+
+    [[nodiscard]] SiteId cell_at(const glm::dvec3& q) {
+        for (const Region& region : regions_)
+            if (is_inside(region, q)) return region.cell;
+        last_ = locate(problem_, frames_, q, last_, stats_);
+        const auto is_last = [&](const Region& region) { return region.cell == last_; };
+        if (regions_.size() < max_regions && std::none_of(regions_.begin(), regions_.end(), is_last)) add_region(last_);
+        return last_;
+    }
+
+  private:
+    struct Plane {
+        float x, y, z, h;
+    };
+    // The part of the bin that lies in one cell.
+    struct Region {
+        glm::dvec3 site;
+        float error; // bound for the distances
+        SiteId cell;
+        uint32_t planes_begin, planes_end; // the planes of the cell that may meet the bin
+    };
+
+    [[nodiscard]] static float distance(const Plane& plane, const glm::vec3& y) {
+        return plane.h - (plane.x * y.x + plane.y * y.y + plane.z * y.z);
+    }
+
+    [[nodiscard]] bool is_inside(const Region& region, const glm::dvec3& q) const {
+        const glm::vec3 y(q - region.site);
+        for (uint32_t k = region.planes_begin; k < region.planes_end; ++k)
+            if (!(distance(planes_[k], y) > region.error)) return false;
+        return true;
+    }
+
+    void add_region(SiteId c) {
+        const Frames::Cell& cell = frames_.cells[c];
+        const glm::vec3 y(centre_ - cell.site);
+        const auto begin = static_cast<uint32_t>(planes_.size());
+        for (Frames::Slot l = cell.begin; l < cell.end; ++l) {
+            const Plane plane{frames_.fx[l], frames_.fy[l], frames_.fz[l], frames_.fh[l]};
+            if (static_cast<double>(distance(plane, y)) - static_cast<double>(cell.float_error) > radius_) continue;
+            planes_.push_back(plane);
+        }
+        regions_.push_back({cell.site, cell.float_error, c, begin, static_cast<uint32_t>(planes_.size())});
+    }
+
+    // With more cells in a bin, a search costs less than the tests.
+    static constexpr size_t max_regions = 8;
+
+    const Diagram& problem_;
+    const Frames& frames_;
+    PredicateStats& stats_;
+    SiteId last_; // where the next search starts
+    glm::dvec3 centre_{0.0};
+    double radius_ = 0.0;
+    std::vector<Region> regions_;
+    std::vector<Plane> planes_;
+};
+
+void classify_by_bins(const Diagram& problem, const Frames& frames, std::span<const glm::dvec3> points, SiteId anywhere,
+                      const Threads& threads, std::span<SiteId> cell_of, PredicateStats& stats) {
+    Bins bins;
+    CellsOfBin cells(problem, frames, anywhere, stats);
+    for (size_t begin = 0; begin < points.size(); begin += max_points_per_grid) {
+        const size_t count = std::min(max_points_per_grid, points.size() - begin);
+        const auto sorted = points.subspan(begin, count);
+        const auto cell_of_sorted = cell_of.subspan(begin, count);
+        bins.sort(sorted);
+        for (uint32_t bin = 0; bin < bins.count(); ++bin) {
+            threads.poll(bin);
+            const std::span<const uint32_t> inside = bins.points_of(bin);
+            if (inside.empty()) continue;
+            cells.start(bins.centre(bin), bins.radius());
+            const SiteId whole = cells.whole();
+            for (const uint32_t k : inside)
+                cell_of_sorted[k] = whole != VoronoiDiagram::none ? whole : cells.cell_at(sorted[k]);
+        }
+    }
+}
+
+// Decides the vertices that a classifier has marked uncertain.
+void correct(const Diagram& problem, const VoronoiDiagram& diagram, const Frames& frames,
+             std::span<const glm::dvec3> points, SiteId anywhere, const Threads& threads, std::span<SiteId> cell_of,
+             PredicateStats& stats) {
+    for (uint32_t k = 0; k < points.size(); ++k) {
+        threads.poll(k);
+        if ((cell_of[k] & Classifier::uncertain) == 0) continue;
+        const SiteId guess = cell_of[k] & ~Classifier::uncertain;
+        const bool is_cell = guess < problem.sites.size() && !diagram.cell_is_empty[guess];
+        cell_of[k] = locate(problem, frames, points[k], is_cell ? guess : anywhere, stats);
+    }
+}
+
+} // namespace
 
 void classify(const Diagram& problem, const VoronoiDiagram& diagram, const Frames& frames,
               std::span<const glm::dvec3> positions, bool guessed, Threads& threads, std::vector<SiteId>& cell_of,
@@ -105,23 +235,12 @@ void classify(const Diagram& problem, const VoronoiDiagram& diagram, const Frame
     const auto anywhere = static_cast<SiteId>(any - diagram.cell_is_empty.begin());
     std::vector<PredicateStats> part(threads.chunks(count, min_vertices_per_chunk));
     threads.for_chunks(count, min_vertices_per_chunk, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
-        Hints hints(problem.box, end - begin, anywhere);
-        for (uint32_t v = begin; v < end; ++v) {
-            threads.poll(v);
-            KnownBall& ball = hints.at(positions[v]);
-            if (guessed) {
-                if ((cell_of[v] & Classifier::uncertain) == 0) continue;
-                const SiteId start = cell_of[v] & ~Classifier::uncertain;
-                if (start < problem.sites.size() && !diagram.cell_is_empty[start]) ball = {start};
-            }
-            const glm::dvec3 step = positions[v] - ball.centre;
-            const double step2 = step.x * step.x + step.y * step.y + step.z * step.z;
-            if (!(step2 < ball.radius * ball.radius)) {
-                ball = locate(problem, frames, positions[v], ball, part[chunk]);
-                hints.keep_last(ball);
-            }
-            cell_of[v] = ball.cell;
-        }
+        const auto points = positions.subspan(begin, end - begin);
+        const auto cells = std::span(cell_of).subspan(begin, end - begin);
+        if (guessed)
+            correct(problem, diagram, frames, points, anywhere, threads, cells, part[chunk]);
+        else
+            classify_by_bins(problem, frames, points, anywhere, threads, cells, part[chunk]);
     });
     for (const PredicateStats& p : part) stats += p;
 }
