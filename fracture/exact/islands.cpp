@@ -170,7 +170,8 @@ void IslandSplitter::run(const Assembler::Input& input, std::span<const CellRun>
             split_cell(c, cells[c], chunk, out);
         }
         for (Piece& piece : chunk.pieces) {
-            piece.mass = mass_properties(out.positions_of(piece), out.triangles_of(piece));
+            const auto positions = out.positions_of(piece); // all are corners of triangles
+            piece.mass = mass_properties(positions, out.triangles_of(piece), bounds(positions));
         }
     });
     out.pieces.clear();

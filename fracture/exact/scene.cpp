@@ -1,12 +1,14 @@
 #include "fracture/exact/scene.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstdio>
-#include <limits>
 #include <string>
 
 #include <glm/common.hpp>
+
+#include "fracture/base/simd.h"
 
 namespace brittle::fracture::exact {
 
@@ -45,24 +47,13 @@ Result<void> check_counts(const TriangleMesh& mesh) {
     return {};
 }
 
-struct Bounds {
-    glm::dvec3 min{std::numeric_limits<double>::infinity()};
-    glm::dvec3 max{-std::numeric_limits<double>::infinity()};
-    bool sound = true; // all finite
-};
-
-Bounds bounds_of(std::span<const glm::dvec3> points) {
-    Bounds result;
-    double poison = 0.0; // becomes NaN with the first infinity or NaN: one multiply instead of three tests a point
-    for (const glm::dvec3& p : points) {
-        for (int k = 0; k < 3; ++k) {
-            result.min[k] = p[k] < result.min[k] ? p[k] : result.min[k];
-            result.max[k] = p[k] > result.max[k] ? p[k] : result.max[k];
-        }
-        poison += (p.x + p.y + p.z) * 0.0;
-    }
-    result.sound = poison == 0.0;
-    return result;
+// Returns whether all coordinates are finite and in the range of the input.
+BRITTLE_SIMD bool all_in_range(std::span<const glm::dvec3> points) {
+    const double* const coordinates = &points[0].x;
+    uint64_t outside = 0;
+    for (size_t k = 0; k < 3 * points.size(); ++k) // comparisons with NaN are false
+        outside += std::abs(coordinates[k]) <= max_input_coordinate ? uint64_t{0} : uint64_t{1};
+    return outside == 0;
 }
 
 } // namespace
@@ -115,26 +106,24 @@ Result<void> scale_weights(std::span<const double> weights, double to_scene, std
 Result<void> scale_mesh(const TriangleMesh& mesh, Threads& threads, Scene& scene) {
     if (auto ok = check_counts(mesh); !ok) return ok;
     const auto count = static_cast<uint32_t>(mesh.positions.size());
-    std::vector<Bounds> parts(threads.chunks(count, min_vertices_per_chunk));
+    const std::span<const glm::dvec3> positions = mesh.positions;
+    std::vector<Box> boxes(threads.chunks(count, min_vertices_per_chunk));
+    std::atomic<bool> sound = true;
     threads.for_chunks(count, min_vertices_per_chunk, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
-        parts[chunk] = bounds_of(std::span(mesh.positions).subspan(begin, end - begin));
+        boxes[chunk] = bounds(positions.subspan(begin, end - begin));
+        if (!all_in_range(positions.subspan(begin, end - begin))) sound = false;
     });
-    Bounds all;
-    for (const Bounds& part : parts) {
-        all.min = glm::min(all.min, part.min);
-        all.max = glm::max(all.max, part.max);
-        all.sound = all.sound && part.sound;
-    }
-    if (!all.sound || !in_range(all.min) || !in_range(all.max)) {
+    if (!sound) {
         for (size_t v = 0; v < count; ++v) {
-            if (!in_range(mesh.positions[v])) {
-                return at(Status::invalid_mesh, "vertex", v, mesh.positions[v],
+            if (!in_range(positions[v]))
+                return at(Status::invalid_mesh, "vertex", v, positions[v],
                           "coordinates must be finite and at most 1e100");
-            }
         }
     }
+    Box all = boxes[0];
+    for (const Box& box : boxes) all = {glm::min(all.min, box.min), glm::max(all.max, box.max)};
 
-    const glm::dvec3 size = all.max - all.min;
+    const glm::dvec3 size = all.size();
     double largest = std::max({size.x, size.y, size.z});
     if (!(largest > 0.0)) {
         largest = std::max({std::abs(all.max.x), std::abs(all.max.y), std::abs(all.max.z)});

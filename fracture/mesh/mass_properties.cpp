@@ -39,13 +39,8 @@ struct CompensatedSum {
     double operator[](size_t k) const { return sum[k] + lost[k]; }
 };
 
-struct Frame {
-    glm::dvec3 centre{0.0};
-    double radius = 0.0; // half the diagonal of the box
-};
-
 // Bounds the corners of triangles instead of all positions: an unused vertex must not move the reference point.
-Frame frame_of(std::span<const glm::dvec3> positions, std::span<const Triangle> triangles) {
+Box box_of_corners(std::span<const glm::dvec3> positions, std::span<const Triangle> triangles) {
     if (triangles.empty()) return {};
     glm::dvec3 low = positions[triangles[0].x];
     glm::dvec3 high = low;
@@ -56,7 +51,12 @@ Frame frame_of(std::span<const glm::dvec3> positions, std::span<const Triangle> 
             high = glm::max(high, positions[v]);
         }
     }
-    return {low + (high - low) * 0.5, 0.5 * glm::length(high - low)};
+    return {low, high};
+}
+
+// The reference point of the integrals.
+glm::dvec3 origin_of(const Box& box) {
+    return box.min + box.size() * 0.5;
 }
 
 glm::dvec3 mean_of_corners(std::span<const glm::dvec3> positions, std::span<const Triangle> triangles,
@@ -150,8 +150,8 @@ template<size_t N, class Term>
 } // namespace
 
 double signed_volume(std::span<const glm::dvec3> positions, std::span<const Triangle> triangles) {
-    const Frame frame = frame_of(positions, triangles);
-    const auto sums = integrate<1>(positions, triangles, frame.centre,
+    const glm::dvec3 origin = origin_of(box_of_corners(positions, triangles));
+    const auto sums = integrate<1>(positions, triangles, origin,
                                    [](const glm::dvec3& a, const glm::dvec3&, const glm::dvec3&,
                                       const glm::dvec3& normal) { return std::array<double, 1>{dot(a, normal)}; });
     return sums[0] / 6.0;
@@ -161,7 +161,7 @@ double volume_error_bound(std::span<const glm::dvec3> positions, std::span<const
     // With u = 2^-53, the two edges of a normal carry 1u each and their cross product 6u of the product of their
     // lengths; the corner carries 1u and the dot product 3u; a block adds up to 63 terms. 1u more covers this sum.
     constexpr double u = 0x1.0p-53;
-    const glm::dvec3 origin = frame_of(positions, triangles).centre;
+    const glm::dvec3 origin = origin_of(box_of_corners(positions, triangles));
     double sum = 0.0;
     for (const Triangle& t : triangles) {
         const auto edges = shorter_edges(positions[t.x], positions[t.y], positions[t.z]);
@@ -212,20 +212,27 @@ glm::dmat3 inertia_of(double xx, double yy, double zz, double xy, double yz, dou
 } // namespace
 
 MassProperties mass_properties(std::span<const glm::dvec3> positions, std::span<const Triangle> triangles) {
+    return mass_properties(positions, triangles, box_of_corners(positions, triangles));
+}
+
+MassProperties mass_properties(std::span<const glm::dvec3> positions, std::span<const Triangle> triangles,
+                               const Box& box) {
+    assert(box.min == box_of_corners(positions, triangles).min && box.max == box_of_corners(positions, triangles).max);
     MassProperties mass;
     if (triangles.empty()) return mass;
-    const Frame frame = frame_of(positions, triangles);
-    const auto sums = moments_of(positions, triangles, frame.centre);
+    const glm::dvec3 origin = origin_of(box);
+    const auto sums = moments_of(positions, triangles, origin);
     mass.volume = sums[six_volume] / 6.0;
     mass.area = sums[two_area] / 2.0;
-    if (std::abs(mass.volume) <= volume_noise * mass.area * frame.radius) {
-        mass.centre_of_mass = mean_of_corners(positions, triangles, frame.centre);
+    const double radius = 0.5 * glm::length(box.size());
+    if (std::abs(mass.volume) <= volume_noise * mass.area * radius) {
+        mass.centre_of_mass = mean_of_corners(positions, triangles, origin);
         return mass;
     }
 
     const glm::dvec3 offset = glm::dvec3(sums[mx], sums[my], sums[mz]) / (24.0 * mass.volume);
-    mass.centre_of_mass = frame.centre + offset;
-    // Parallel axis theorem: from the centre of the frame to the centre of mass.
+    mass.centre_of_mass = origin + offset;
+    // Parallel axis theorem: from the origin of the integrals to the centre of mass.
     const auto second = [&](int k, int i, int j) {
         return sums[static_cast<size_t>(k)] / 120.0 - mass.volume * offset[i] * offset[j];
     };

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <span>
 
 #include <doctest/doctest.h>
 #include <glm/geometric.hpp>
@@ -212,5 +213,27 @@ TEST_CASE("a million triangles sum to thirteen digits, in any order") {
 TEST_CASE("signed_volume() equals the volume of mass_properties() bit for bit") {
     for (const TriangleMesh& mesh : {icosphere(3), torus(), torus_knot(), cube()}) {
         CHECK(signed_volume(mesh.positions, mesh.triangles) == mass_of(mesh).volume);
+    }
+}
+
+TEST_CASE("mass_properties() with the box of its positions gives the same bits") {
+    for (const TriangleMesh& mesh : {icosphere(2), icosphere(3), torus(), torus_knot(), cube()}) {
+        const MassProperties mass = mass_properties(mesh.positions, mesh.triangles, bounds(mesh));
+        const MassProperties expected = mass_of(mesh);
+        CHECK(mass.volume == expected.volume);
+        CHECK(mass.area == expected.area);
+        CHECK(mass.centre_of_mass == expected.centre_of_mass);
+        CHECK(mass.inertia == expected.inertia);
+    }
+}
+
+TEST_CASE("the area adds up from any number of triangles") {
+    const TriangleMesh mesh = icosphere(3);
+    double sum = 0.0;
+    for (size_t count = 0; count < 600; ++count) {
+        const double area = mass_properties(mesh.positions, std::span(mesh.triangles).first(count)).area;
+        CAPTURE(count);
+        CHECK(std::abs(area - sum) <= 1e-13);
+        sum += mass_properties(mesh.positions, std::span(mesh.triangles).subspan(count, 1)).area;
     }
 }
