@@ -6,7 +6,6 @@
 // strict ear) or that has many concave vertices is refused; Ring (ring.h) triangulates every loop.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -28,6 +27,7 @@ class SimpleLoop {
   private:
     bool find_concave(std::span<const glm::dvec2> points);
     [[nodiscard]] bool is_ear(std::span<const glm::dvec2> points, uint32_t v) const;
+    void remove_concave(uint32_t v);
     bool cut_ears(std::span<const glm::dvec2> points);
     void cut(uint32_t v);
     void flip_edges(std::span<const glm::dvec2> points);
@@ -35,12 +35,15 @@ class SimpleLoop {
 
     // Per vertex of the loop. The neighbours and the outer half-edge belong to the polygon that is left to clip.
     std::vector<uint32_t> next_, prev_;
-    std::vector<uint32_t> outer_;   // the half-edge across the edge from this vertex to the next; no_index on the loop
-    std::vector<int8_t> turn_;      // 1 convex, -1 concave
-    std::vector<uint32_t> concave_; // vertices that were concave at the start
+    std::vector<uint32_t> outer_; // the half-edge across the edge from this vertex to the next; no_index on the loop
+    std::vector<int8_t> turn_;    // 1 convex, -1 concave
+
+    // The concave vertices that are left, in any order, and their points: arrays for a vectorised test.
+    std::vector<uint64_t> concave_;
+    std::vector<double> concave_x_, concave_y_;
 
     // Triangle t has the half-edges 3t + k, from its corner k to the next corner.
-    std::vector<std::array<uint32_t, 3>> corners_;
+    std::vector<uint32_t> corner_;  // per half-edge: the vertex where it starts
     std::vector<uint32_t> twin_;    // per half-edge; no_index on the loop
     std::vector<uint32_t> pending_; // half-edges to test for a flip
 };
