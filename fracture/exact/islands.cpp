@@ -37,6 +37,19 @@ void IslandSplitter::count_uncut_components(const Assembler::Input& input) {
     }
 }
 
+// Counts the groups of united vertices with a cut vertex, each by its root, and the components that no bisector meets.
+// Stops at 2.
+uint32_t IslandSplitter::count_groups(SiteId c, const CellRun& cell, Chunk& chunk) const {
+    uint32_t groups = uncut_[c];
+    chunk.label.assign(cell.vertices.size(), 0);
+    for (uint32_t v = cell.mesh_vertices; v < cell.vertices.size() && groups < 2; ++v) {
+        uint32_t& seen = chunk.label[root_of(chunk.parent, v)];
+        groups += seen == 0 ? 1 : 0;
+        seen = 1;
+    }
+    return groups;
+}
+
 // Returns the number of islands. Where there are several, labels the vertices of the cell with islands, which are
 // numbered by their lowest vertex.
 uint32_t IslandSplitter::find_islands(SiteId c, const CellRun& cell, std::span<const Triangle> triangles,
@@ -44,16 +57,13 @@ uint32_t IslandSplitter::find_islands(SiteId c, const CellRun& cell, std::span<c
     const uint32_t vertices = cell.vertices.size();
     chunk.parent.resize(vertices);
     std::iota(chunk.parent.begin(), chunk.parent.end(), 0u);
-    for (const Triangle& t : triangles.subspan(cell.whole_triangles)) unite(chunk.parent, t);
-    // Count the groups with a cut vertex, each by its root.
-    uint32_t groups = uncut_[c];
-    chunk.label.assign(vertices, 0);
-    for (uint32_t v = cell.mesh_vertices; v < vertices && groups < 2; ++v) {
-        uint32_t& seen = chunk.label[root_of(chunk.parent, v)];
-        groups += seen == 0 ? 1 : 0;
-        seen = 1;
+    const auto caps = triangles.subspan(cell.exterior);
+    const auto polygons = triangles.first(cell.exterior).subspan(cell.whole_triangles);
+    for (const std::span<const Triangle> part : {caps, polygons}) {
+        for (const Triangle& t : part) unite(chunk.parent, t);
+        const uint32_t groups = count_groups(c, cell, chunk);
+        if (groups < 2) return groups;
     }
-    if (groups < 2) return groups;
     for (const Triangle& t : triangles.first(cell.whole_triangles)) unite(chunk.parent, t);
     uint32_t islands = 0;
     for (uint32_t v = 0; v < vertices; ++v) { // a root is the lowest vertex of its set

@@ -2,8 +2,8 @@
 //
 // Triangles that share a vertex belong to one island. Most cells hold one island, and a cheap test finds that: every
 // connected part of a cell's surface either touches a cut or is a whole component of the mesh. So uniting the vertices
-// of polygons and caps suffices; the whole triangles are united too only where several groups are left. An inward shell
-// (a cavity, of negative volume) belongs to the smallest island around it.
+// of the caps mostly suffices; those of polygons and of whole triangles are united only where several groups are left.
+// An inward shell (a cavity, of negative volume) belongs to the smallest island around it.
 #pragma once
 
 #include <span>
@@ -34,6 +34,7 @@ class IslandSplitter {
 
     void count_uncut_components(const Assembler::Input& input);
     void split_cell(SiteId c, const CellRun& cell, Chunk& chunk, Fragments& out);
+    uint32_t count_groups(SiteId c, const CellRun& cell, Chunk& chunk) const;
     uint32_t find_islands(SiteId c, const CellRun& cell, std::span<const Triangle> triangles, Chunk& chunk) const;
     static uint32_t attach_cavities(const CellRun& cell, const Fragments& out, uint32_t islands, Chunk& chunk);
     static void reorder(const CellRun& cell, uint32_t islands, Chunk& chunk, Fragments& out);
