@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include <glm/common.hpp>
+
 #include "fracture/base/simd.h"
 
 namespace brittle::fracture::exact {
@@ -74,6 +76,18 @@ BRITTLE_SIMD void ball_box(const double* x, const double* y, const double* z, ui
 }
 
 } // namespace simd
+
+Box CellBuilder::facet_box(uint32_t plane) const {
+    glm::dvec3 low(infinity), high(-infinity);
+    for (size_t v = 0; v < used_vertices_.size(); ++v) {
+        const auto& [a, b, d] = used_vertices_[v];
+        if (a != plane && b != plane && d != plane) continue;
+        const glm::dvec3 position(x_[v], y_[v], z_[v]);
+        low = glm::min(low, position - ex_[v]); // the error of a coordinate is that of a plane of unit normal
+        high = glm::max(high, position + ex_[v]);
+    }
+    return {diagram_->sites[c_] + low, diagram_->sites[c_] + high};
+}
 
 bool CellBuilder::build(const Diagram& diagram, const SiteTree& tree, SiteId c) {
     diagram_ = &diagram;

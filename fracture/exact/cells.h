@@ -32,6 +32,10 @@ class CellBuilder {
     // Three indices into planes() for each vertex, counter-clockwise as seen from outside.
     [[nodiscard]] std::span<const std::array<uint32_t, 3>> vertices() const { return used_vertices_; }
 
+    // A box around the facet on a plane, given by its index in planes(), in scene coordinates. Infinite where the position
+    // of a vertex is unreliable.
+    [[nodiscard]] Box facet_box(uint32_t plane) const;
+
     PredicateStats stats;
 
   private:

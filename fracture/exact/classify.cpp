@@ -16,9 +16,17 @@ constexpr uint32_t min_vertices_per_chunk = 8192;
 // So many points fit the cache of a core while they are sorted.
 constexpr size_t max_points_per_grid = 1 << 15;
 
+// What a search reads.
+struct Cells {
+    const Diagram& problem;
+    const VoronoiDiagram& diagram;
+    const Frames& frames;
+    const SiteTree& tree;
+};
+
 // The neighbour that is nearer to q than c by the largest margin, decided exactly; none where c is nearest.
-SiteId nearer_neighbour(const Diagram& problem, const Frames& frames, const glm::dvec3& q, SiteId c,
-                        PredicateStats& stats) {
+SiteId nearer_neighbour(const Cells& cells, const glm::dvec3& q, SiteId c, PredicateStats& stats) {
+    const Frames& frames = cells.frames;
     const Frames::Cell& cell = frames.cells[c];
     const glm::dvec3 y = q - cell.site;
     SiteId nearer = VoronoiDiagram::none;
@@ -27,7 +35,7 @@ SiteId nearer_neighbour(const Diagram& problem, const Frames& frames, const glm:
         const double g = frames.value_at(l, y);
         int side = side1_filter(g, cell.error);
         if (side > 0) continue;
-        if (side == 0) side = side1_exact(problem, c, frames.site[l], q, stats);
+        if (side == 0) side = side1_exact(cells.problem, c, frames.site[l], q, stats);
         if (side < 0 && (nearer == VoronoiDiagram::none || g < least)) {
             nearer = frames.site[l];
             least = g;
@@ -36,9 +44,15 @@ SiteId nearer_neighbour(const Diagram& problem, const Frames& frames, const glm:
     return nearer;
 }
 
-// Returns the cell of q. The search starts in cell c.
-SiteId locate(const Diagram& problem, const Frames& frames, const glm::dvec3& q, SiteId c, PredicateStats& stats) {
+// Returns the cell of q, a vertex of the mesh. The search starts in cell c. Where it comes to a cell that was not built,
+// because it lies outside the solid, it goes on from the nearest site.
+SiteId locate(const Cells& cells, const glm::dvec3& q, SiteId c, PredicateStats& stats) {
+    const Frames& frames = cells.frames;
     for (;;) {
+        if (cells.diagram.cell_is_empty[c]) {
+            c = cells.tree.nearest(q);
+            assert(!cells.diagram.cell_is_empty[c]);
+        }
         const Frames::Cell& cell = frames.cells[c];
         if (cell.begin == cell.end) return c;
         const glm::dvec3 y = q - cell.site;
@@ -50,7 +64,7 @@ SiteId locate(const Diagram& problem, const Frames& frames, const glm::dvec3& q,
             c = frames.site[least.slot];
             continue;
         }
-        const SiteId nearer = nearer_neighbour(problem, frames, q, c, stats);
+        const SiteId nearer = nearer_neighbour(cells, q, c, stats);
         if (nearer == VoronoiDiagram::none) return c;
         c = nearer;
     }
@@ -117,15 +131,16 @@ class Bins {
 // may meet the bin: none where the bin lies in one cell, else mostly one or two.
 class CellsOfBin {
   public:
-    CellsOfBin(const Diagram& problem, const Frames& frames, SiteId anywhere, PredicateStats& stats)
-        : problem_(problem), frames_(frames), stats_(stats), last_(anywhere) {}
+    CellsOfBin(const Cells& cells, SiteId anywhere, PredicateStats& stats)
+        : cells_(cells), stats_(stats), last_(anywhere) {}
 
-    void start(const glm::dvec3& centre, double radius) {
+    // `point` lies in the bin.
+    void start(const glm::dvec3& centre, double radius, const glm::dvec3& point) {
         centre_ = centre;
         radius_ = radius;
         regions_.clear();
         planes_.clear();
-        last_ = locate(problem_, frames_, centre, last_, stats_);
+        last_ = locate(cells_, point, last_, stats_);
         add_region(last_);
     }
 
@@ -135,7 +150,7 @@ class CellsOfBin {
     [[nodiscard]] SiteId cell_at(const glm::dvec3& q) {
         for (const Region& region : regions_)
             if (is_inside(region, q)) return region.cell;
-        last_ = locate(problem_, frames_, q, last_, stats_);
+        last_ = locate(cells_, q, last_, stats_);
         const auto is_last = [&](const Region& region) { return region.cell == last_; };
         if (regions_.size() < max_regions && std::none_of(regions_.begin(), regions_.end(), is_last)) add_region(last_);
         return last_;
@@ -165,11 +180,11 @@ class CellsOfBin {
     }
 
     void add_region(SiteId c) {
-        const Frames::Cell& cell = frames_.cells[c];
+        const Frames::Cell& cell = cells_.frames.cells[c];
         const glm::vec3 y(centre_ - cell.site);
         const auto begin = static_cast<uint32_t>(planes_.size());
         for (Frames::Slot l = cell.begin; l < cell.end; ++l) {
-            const Plane plane{frames_.fx[l], frames_.fy[l], frames_.fz[l], frames_.fh[l]};
+            const Plane plane{cells_.frames.fx[l], cells_.frames.fy[l], cells_.frames.fz[l], cells_.frames.fh[l]};
             if (static_cast<double>(distance(plane, y)) - static_cast<double>(cell.float_error) > radius_) continue;
             planes_.push_back(plane);
         }
@@ -179,8 +194,7 @@ class CellsOfBin {
     // With more cells in a bin, a search costs less than the tests.
     static constexpr size_t max_regions = 8;
 
-    const Diagram& problem_;
-    const Frames& frames_;
+    const Cells& cells_;
     PredicateStats& stats_;
     SiteId last_; // where the next search starts
     glm::dvec3 centre_{0.0};
@@ -189,10 +203,10 @@ class CellsOfBin {
     std::vector<Plane> planes_;
 };
 
-void classify_by_bins(const Diagram& problem, const Frames& frames, std::span<const glm::dvec3> points, SiteId anywhere,
-                      const Threads& threads, std::span<SiteId> cell_of, PredicateStats& stats) {
+void classify_by_bins(const Cells& cells, std::span<const glm::dvec3> points, SiteId anywhere, const Threads& threads,
+                      std::span<SiteId> cell_of, PredicateStats& stats) {
     Bins bins;
-    CellsOfBin cells(problem, frames, anywhere, stats);
+    CellsOfBin near(cells, anywhere, stats);
     for (size_t begin = 0; begin < points.size(); begin += max_points_per_grid) {
         const size_t count = std::min(max_points_per_grid, points.size() - begin);
         const auto sorted = points.subspan(begin, count);
@@ -202,30 +216,28 @@ void classify_by_bins(const Diagram& problem, const Frames& frames, std::span<co
             threads.poll(bin);
             const std::span<const uint32_t> inside = bins.points_of(bin);
             if (inside.empty()) continue;
-            cells.start(bins.centre(bin), bins.radius());
-            const SiteId whole = cells.whole();
+            near.start(bins.centre(bin), bins.radius(), sorted[inside.front()]);
+            const SiteId whole = near.whole();
             for (const uint32_t k : inside)
-                cell_of_sorted[k] = whole != VoronoiDiagram::none ? whole : cells.cell_at(sorted[k]);
+                cell_of_sorted[k] = whole != VoronoiDiagram::none ? whole : near.cell_at(sorted[k]);
         }
     }
 }
 
 // Decides the vertices that a classifier has marked uncertain.
-void correct(const Diagram& problem, const VoronoiDiagram& diagram, const Frames& frames,
-             std::span<const glm::dvec3> points, SiteId anywhere, const Threads& threads, std::span<SiteId> cell_of,
-             PredicateStats& stats) {
+void correct(const Cells& cells, std::span<const glm::dvec3> points, SiteId anywhere, const Threads& threads,
+             std::span<SiteId> cell_of, PredicateStats& stats) {
     for (uint32_t k = 0; k < points.size(); ++k) {
         threads.poll(k);
         if ((cell_of[k] & Classifier::uncertain) == 0) continue;
         const SiteId guess = cell_of[k] & ~Classifier::uncertain;
-        const bool is_cell = guess < problem.sites.size() && !diagram.cell_is_empty[guess];
-        cell_of[k] = locate(problem, frames, points[k], is_cell ? guess : anywhere, stats);
+        cell_of[k] = locate(cells, points[k], guess < cells.problem.sites.size() ? guess : anywhere, stats);
     }
 }
 
 } // namespace
 
-void classify(const Diagram& problem, const VoronoiDiagram& diagram, const Frames& frames,
+void classify(const Diagram& problem, const VoronoiDiagram& diagram, const Frames& frames, const SiteTree& tree,
               std::span<const glm::dvec3> positions, bool guessed, Threads& threads, std::vector<SiteId>& cell_of,
               PredicateStats& stats) {
     const auto count = static_cast<uint32_t>(positions.size());
@@ -233,14 +245,15 @@ void classify(const Diagram& problem, const VoronoiDiagram& diagram, const Frame
     const auto any = std::find(diagram.cell_is_empty.begin(), diagram.cell_is_empty.end(), uint8_t{0});
     assert(any != diagram.cell_is_empty.end());
     const auto anywhere = static_cast<SiteId>(any - diagram.cell_is_empty.begin());
+    const Cells cells{problem, diagram, frames, tree};
     std::vector<PredicateStats> part(threads.chunks(count, min_vertices_per_chunk));
     threads.for_chunks(count, min_vertices_per_chunk, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
         const auto points = positions.subspan(begin, end - begin);
-        const auto cells = std::span(cell_of).subspan(begin, end - begin);
+        const auto cell_of_points = std::span(cell_of).subspan(begin, end - begin);
         if (guessed)
-            correct(problem, diagram, frames, points, anywhere, threads, cells, part[chunk]);
+            correct(cells, points, anywhere, threads, cell_of_points, part[chunk]);
         else
-            classify_by_bins(problem, frames, points, anywhere, threads, cells, part[chunk]);
+            classify_by_bins(cells, points, anywhere, threads, cell_of_points, part[chunk]);
     });
     for (const PredicateStats& p : part) stats += p;
 }

@@ -14,12 +14,13 @@
 #include "fracture/classifier.h"
 #include "fracture/exact/frames.h"
 #include "fracture/exact/predicates.h"
+#include "fracture/exact/site_tree.h"
 
 namespace brittle::fracture::exact {
 
 // Finds the cell of each position. Positions lie inside the box of the problem. `guessed`: cell_of holds the answers of
 // a classifier.
-void classify(const Diagram& problem, const VoronoiDiagram& diagram, const Frames& frames,
+void classify(const Diagram& problem, const VoronoiDiagram& diagram, const Frames& frames, const SiteTree& tree,
               std::span<const glm::dvec3> positions, bool guessed, Threads& threads, std::vector<SiteId>& cell_of,
               PredicateStats& stats);
 

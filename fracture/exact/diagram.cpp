@@ -1,6 +1,7 @@
 #include "fracture/exact/diagram.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cassert>
 
 #include <glm/common.hpp>
@@ -49,42 +50,111 @@ PredicateStats DiagramBuilder::stats() const {
     return sum;
 }
 
-void DiagramBuilder::build(const Diagram& problem, Threads& threads, VoronoiDiagram& out) {
-    const auto sites = static_cast<uint32_t>(problem.sites.size());
-    build_cells(problem, threads, out);
+void DiagramBuilder::build(const Diagram& problem, Threads& threads, const SolidGrid* solid, VoronoiDiagram& out) {
+    build_cells(problem, solid, threads, out);
     number_facets(out);
     number_items(out);
-    threads.for_chunks(sites, min_cells_per_chunk,
-                       [&](uint32_t, uint32_t begin, uint32_t end) { fill_owned(problem, begin, end, out); });
-    threads.for_chunks(sites, min_cells_per_chunk, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
-        link_rings(chunks_[chunk], begin, end, out);
+    if (solid) add_outside(out);
+    const std::span<const SiteId> built = chosen_;
+    const auto count = static_cast<uint32_t>(built.size());
+    threads.for_chunks(count, min_cells_per_chunk, [&](uint32_t, uint32_t begin, uint32_t end) {
+        for (const SiteId c : built.subspan(begin, end - begin)) fill_owned(problem, c, out);
+    });
+    threads.for_chunks(count, min_cells_per_chunk, [&](uint32_t, uint32_t begin, uint32_t end) {
+        for (const SiteId c : built.subspan(begin, end - begin)) link_rings(c, out);
     });
 }
 
-void DiagramBuilder::build_cells(const Diagram& problem, Threads& threads, VoronoiDiagram& out) {
+void DiagramBuilder::build_cells(const Diagram& problem, const SolidGrid* solid, Threads& threads,
+                                 VoronoiDiagram& out) {
     const auto sites = static_cast<uint32_t>(problem.sites.size());
     tree_.build(problem.sites, problem.weights);
-    cells_.resize(sites);
-    out.cell_is_empty.resize(sites);
-    chunks_.resize(std::max<size_t>(chunks_.size(), threads.chunks(sites, min_cells_per_chunk)));
-    for (Chunk& chunk : chunks_) chunk.builder.stats = {};
-    threads.for_chunks(sites, min_cells_per_chunk, [&](uint32_t k, uint32_t begin, uint32_t end) {
-        Chunk& chunk = chunks_[k];
+    cells_.assign(sites, {});
+    out.cell_is_empty.assign(sites, 1);
+    for (Chunk& chunk : chunks_) {
+        chunk.builder.stats = {};
         chunk.planes.clear();
         chunk.rings.clear();
         chunk.ring_sizes.clear();
-        for (SiteId c = begin; c < end; ++c) {
-            threads.poll(c);
-            out.cell_is_empty[c] = chunk.builder.build(problem, tree_, c) ? 0 : 1;
-            CellRef& cell = cells_[c];
-            cell.chunk = k;
-            cell.planes_begin = static_cast<uint32_t>(chunk.planes.size());
-            const auto planes = chunk.builder.planes();
-            chunk.planes.insert(chunk.planes.end(), planes.begin(), planes.end());
-            collect_rings(c, chunk);
-            cell.planes_end = static_cast<uint32_t>(chunk.planes.size());
-        }
+    }
+    choose_cells(solid);
+    for (size_t built = 0; built < chosen_.size();) {
+        const std::span<const SiteId> wave = std::span(chosen_).subspan(built);
+        built = chosen_.size();
+        const auto count = static_cast<uint32_t>(wave.size());
+        const uint32_t parts = threads.chunks(count, min_cells_per_chunk);
+        chunks_.resize(std::max<size_t>(chunks_.size(), parts));
+        threads.for_chunks(count, min_cells_per_chunk, [&](uint32_t k, uint32_t begin, uint32_t end) {
+            chunks_[k].found.clear();
+            for (uint32_t at = begin; at < end; ++at) {
+                threads.poll(at);
+                build_cell(problem, solid, wave[at], k, out);
+            }
+        });
+        for (uint32_t k = 0; k < parts; ++k)
+            chosen_.insert(chosen_.end(), chunks_[k].found.begin(), chunks_[k].found.end());
+    }
+}
+
+// Chooses the cells to start with: all of them, or the cells of the sites in the solid and one for each part of it.
+void DiagramBuilder::choose_cells(const SolidGrid* solid) {
+    chosen_.clear();
+    is_chosen_.assign(cells_.size(), solid ? 0 : 1);
+    if (!solid) {
+        chosen_.assign(tree_.order().begin(), tree_.order().end());
+        return;
+    }
+    const auto choose = [&](SiteId c) {
+        if (!is_chosen_[c]) chosen_.push_back(c);
+        is_chosen_[c] = 1;
+    };
+    tree_.visit([&](SiteId c, const glm::dvec3& position) {
+        if (solid->covers(position)) choose(c);
     });
+    for (const glm::dvec3& point : solid->group_points()) choose(tree_.nearest(point));
+}
+
+void DiagramBuilder::build_cell(const Diagram& problem, const SolidGrid* solid, SiteId c, uint32_t chunk_index,
+                                VoronoiDiagram& out) {
+    Chunk& chunk = chunks_[chunk_index];
+    out.cell_is_empty[c] = chunk.builder.build(problem, tree_, c) ? 0 : 1;
+    const std::span<const PlaneId> planes = chunk.builder.planes();
+    CellRef& cell = cells_[c];
+    cell.chunk = chunk_index;
+    cell.rings_begin = static_cast<uint32_t>(chunk.rings.size());
+    cell.ring_sizes_begin = static_cast<uint32_t>(chunk.ring_sizes.size());
+    cell.planes_begin = static_cast<uint32_t>(chunk.planes.size());
+    chunk.planes.insert(chunk.planes.end(), planes.begin(), planes.end());
+    cell.planes_end = static_cast<uint32_t>(chunk.planes.size());
+    collect_rings(c, chunk);
+    // The solid continues beyond each facet that it may meet.
+    for (uint32_t p = 0; p < planes.size() && !is_box_plane(planes[p]); ++p) {
+        std::atomic_ref<uint8_t> is_chosen(is_chosen_[planes[p]]);
+        if (is_chosen.load(std::memory_order_relaxed) || !solid->meets(chunk.builder.facet_box(p))) continue;
+        if (is_chosen.exchange(1, std::memory_order_relaxed) == 0) chunk.found.push_back(planes[p]);
+    }
+}
+
+// Calls visit(facet, thirds) for each facet that a cell owns.
+template<class Visit>
+void DiagramBuilder::visit_owned(SiteId c, const Visit& visit) const {
+    const CellRef& cell = cells_[c];
+    const Chunk& chunk = chunks_[cell.chunk];
+    const uint32_t* third = chunk.rings.data() + cell.rings_begin;
+    const uint32_t* size = chunk.ring_sizes.data() + cell.ring_sizes_begin;
+    uint32_t facet = facet_begin_[c];
+    for (const PlaneId j : neighbours_of(c)) {
+        if (j < c) continue;
+        if (is_chosen_[j]) visit(facet++, std::span(third, *size));
+        third += *size++;
+    }
+}
+
+std::span<const PlaneId> DiagramBuilder::neighbours_of(SiteId c) const {
+    const CellRef& cell = cells_[c];
+    const std::span planes(chunks_[cell.chunk].planes.data() + cell.planes_begin, cell.planes_end - cell.planes_begin);
+    return planes.first(
+        static_cast<size_t>(std::lower_bound(planes.begin(), planes.end(), box_min_x) - planes.begin()));
 }
 
 void DiagramBuilder::number_facets(VoronoiDiagram& out) {
@@ -92,32 +162,31 @@ void DiagramBuilder::number_facets(VoronoiDiagram& out) {
     out.cell_begin.assign(sites + 1, 0);
     facet_begin_.assign(sites + 1, 0);
     for (SiteId c = 0; c < sites; ++c) {
-        const CellRef& cell = cells_[c];
-        const PlaneId* planes = chunks_[cell.chunk].planes.data();
-        for (uint32_t p = cell.planes_begin; p < cell.planes_end && !is_box_plane(planes[p]); ++p) {
+        for (const PlaneId j : neighbours_of(c)) {
             ++out.cell_begin[c];
-            if (planes[p] > c) ++facet_begin_[c];
+            if (j > c && is_chosen_[j]) ++facet_begin_[c];
         }
     }
     exclusive_sum(out.cell_begin);
     exclusive_sum(facet_begin_);
     out.neighbours.resize(out.cell_begin[sites]);
     out.facets.resize(facet_begin_[sites]);
+    for (SiteId c = 0; c < sites; ++c) {
+        uint32_t at = out.cell_begin[c];
+        for (const PlaneId j : neighbours_of(c)) out.neighbours[at++] = {j, VoronoiDiagram::none};
+    }
     // Facet ids ascend with (i,j), and so do the neighbours below j in the list of j: one cursor per cell finds the
     // place of each facet.
     std::vector<uint32_t>& cursor = edge_begin_; // its memory is free until number_items()
     cursor.assign(out.cell_begin.begin(), out.cell_begin.end());
+    uint32_t facet = 0;
     for (SiteId c = 0; c < sites; ++c) {
-        const CellRef& cell = cells_[c];
-        const PlaneId* planes = chunks_[cell.chunk].planes.data();
-        uint32_t facet = facet_begin_[c];
-        for (uint32_t p = cell.planes_begin; p < cell.planes_end && !is_box_plane(planes[p]); ++p) {
-            const SiteId j = planes[p];
-            if (j < c) continue;
-            out.facets[facet] = {c, j, 0, 0};
-            out.neighbours[cursor[c]++] = {j, facet};
-            out.neighbours[cursor[j]++] = {c, facet};
-            ++facet;
+        for (uint32_t at = out.cell_begin[c]; at < out.cell_begin[c + 1]; ++at) {
+            const SiteId j = out.neighbours[at].site;
+            if (j < c || !is_chosen_[j]) continue;
+            while (out.neighbours[cursor[j]].site != c) ++cursor[j];
+            out.neighbours[at].facet = out.neighbours[cursor[j]].facet = facet;
+            out.facets[facet++] = {c, j, 0, 0};
         }
     }
 }
@@ -156,41 +225,24 @@ void DiagramBuilder::collect_rings(SiteId c, Chunk& chunk) {
 
 void DiagramBuilder::number_items(VoronoiDiagram& out) {
     const auto facets = static_cast<uint32_t>(out.facets.size());
-    // Chunks hold consecutive cells, hence consecutive facets, so their rings are read in sequence.
-    uint32_t ring = 0;
-    uint32_t chunk_index = box_min_x;
-    const uint32_t* size = nullptr;
-    for (VoronoiDiagram::Facet& facet : out.facets) {
-        if (cells_[facet.i].chunk != chunk_index) {
-            chunk_index = cells_[facet.i].chunk;
-            size = chunks_[chunk_index].ring_sizes.data();
-        }
-        facet.ring_begin = ring;
-        ring += *size++;
-        facet.ring_end = ring;
-    }
-    out.rings.resize(ring);
     edge_begin_.assign(facets + 1, 0);
     vertex_begin_.assign(facets + 1, 0);
-    uint32_t f = 0;
-    chunk_index = box_min_x;
-    const uint32_t* third = nullptr;
-    for (; f < facets; ++f) {
-        const VoronoiDiagram::Facet& facet = out.facets[f];
-        if (cells_[facet.i].chunk != chunk_index) {
-            chunk_index = cells_[facet.i].chunk;
-            third = chunks_[chunk_index].rings.data();
-        }
-        const uint32_t n = facet.ring_end - facet.ring_begin;
-        const PlaneId* const planes = chunks_[chunk_index].planes.data() + cells_[facet.i].planes_begin;
-        for (uint32_t m = 0; m < n; ++m) {
-            const bool here = planes[third[m]] > facet.j;
-            const bool next = planes[third[m + 1 == n ? 0 : m + 1]] > facet.j;
-            edge_begin_[f] += here ? 1 : 0;
-            vertex_begin_[f] += here && next ? 1 : 0;
-            out.rings[facet.ring_begin + m].third = planes[third[m]];
-        }
-        third += n;
+    out.rings.clear();
+    for (SiteId c = 0; c < cells_.size(); ++c) {
+        const PlaneId* const planes = chunks_[cells_[c].chunk].planes.data() + cells_[c].planes_begin;
+        visit_owned(c, [&](uint32_t f, std::span<const uint32_t> thirds) {
+            VoronoiDiagram::Facet& facet = out.facets[f];
+            facet.ring_begin = static_cast<uint32_t>(out.rings.size());
+            bool here = owns(facet, planes[thirds.front()]);
+            for (size_t m = 0; m < thirds.size(); ++m) {
+                const bool next = owns(facet, planes[thirds[m + 1 == thirds.size() ? 0 : m + 1]]);
+                edge_begin_[f] += here ? 1 : 0;
+                vertex_begin_[f] += here && next ? 1 : 0;
+                out.rings.push_back({planes[thirds[m]], 0, 0});
+                here = next;
+            }
+            facet.ring_end = static_cast<uint32_t>(out.rings.size());
+        });
     }
     exclusive_sum(edge_begin_);
     exclusive_sum(vertex_begin_);
@@ -198,17 +250,27 @@ void DiagramBuilder::number_items(VoronoiDiagram& out) {
     out.vertices.resize(vertex_begin_[facets]);
 }
 
-void DiagramBuilder::fill_owned(const Diagram& problem, SiteId begin, SiteId end, VoronoiDiagram& out) const {
-    for (uint32_t f = facet_begin_[begin]; f < facet_begin_[end]; ++f) {
+// Adds the vertex and the edge that stand for all vertices and edges of cells that were not built. They count as parts
+// of the box, because they lie outside the solid.
+void DiagramBuilder::add_outside(VoronoiDiagram& out) {
+    constexpr PlaneId none = VoronoiDiagram::none;
+    outside_vertex_ = static_cast<uint32_t>(out.vertices.size());
+    outside_edge_ = static_cast<uint32_t>(out.edges.size());
+    out.vertices.push_back({{none, none, none, none}, glm::dvec3(0.0)});
+    out.edges.push_back({{none, none, none}, outside_vertex_, outside_vertex_});
+}
+
+void DiagramBuilder::fill_owned(const Diagram& problem, SiteId c, VoronoiDiagram& out) const {
+    for (uint32_t f = facet_begin_[c]; f < facet_begin_[c + 1]; ++f) {
         const VoronoiDiagram::Facet& facet = out.facets[f];
         uint32_t e = edge_begin_[f];
         uint32_t v = vertex_begin_[f];
         for (uint32_t m = facet.ring_begin; m < facet.ring_end; ++m) {
             const PlaneId here = out.rings[m].third;
             const PlaneId next = out.rings[m + 1 == facet.ring_end ? facet.ring_begin : m + 1].third;
-            if (here < facet.j) continue;
+            if (!owns(facet, here)) continue;
             out.edges[e++] = {{facet.i, facet.j, here}, VoronoiDiagram::none, VoronoiDiagram::none};
-            if (next < facet.j) continue;
+            if (!owns(facet, next)) continue;
             out.vertices[v].planes = {facet.i, facet.j, std::min(here, next), std::max(here, next)};
             out.vertices[v].position = vertex_position(problem, out.vertices[v].planes);
             ++v;
@@ -234,36 +296,37 @@ uint32_t DiagramBuilder::vertex_of(const VoronoiDiagram& d, uint32_t facet, Plan
 
 // Finds edges and vertices through the facet of their two lowest sites. One of these sites is nearly always the cell
 // itself, and then the facet is in the neighbour list of the cell.
-void DiagramBuilder::link_rings(const Chunk& chunk, SiteId begin, SiteId end, VoronoiDiagram& out) const {
-    const uint32_t* third = chunk.rings.data();
-    for (uint32_t f = facet_begin_[begin]; f < facet_begin_[end]; ++f) {
+void DiagramBuilder::link_rings(SiteId c, VoronoiDiagram& out) const {
+    const VoronoiDiagram::Neighbour* const around = out.neighbours.data() + out.cell_begin[c];
+    visit_owned(c, [&](uint32_t f, std::span<const uint32_t> thirds) {
         const VoronoiDiagram::Facet& facet = out.facets[f];
-        const VoronoiDiagram::Neighbour* const around = out.neighbours.data() + out.cell_begin[facet.i];
-        const uint32_t n = facet.ring_end - facet.ring_begin;
-        for (uint32_t m = 0; m < n; ++m) {
+        for (size_t m = 0; m < thirds.size(); ++m) {
             VoronoiDiagram::Corner& corner = out.rings[facet.ring_begin + m];
-            const uint32_t next = m + 1 == n ? 0 : m + 1;
+            const size_t next = m + 1 == thirds.size() ? 0 : m + 1;
             const PlaneId k = corner.third, l = out.rings[facet.ring_begin + next].third;
-            corner.edge = k > facet.j ? edge_of(out, f, k) : edge_of(out, around[third[m]].facet, facet.j);
+            corner.edge = outside_edge_;
+            corner.vertex = outside_vertex_;
+            if (!is_built(k)) continue;
+            corner.edge = k > facet.j ? edge_of(out, f, k) : edge_of(out, around[thirds[m]].facet, facet.j);
+            if (!is_built(l)) continue;
             const auto [low, high] = std::minmax(k, l);
             const auto planes = sorted<4>({facet.i, facet.j, k, l});
             uint32_t owner = f;
             if (high < facet.i)
                 owner = out.facet_between(low, high);
             else if (low < facet.j)
-                owner = around[third[low == k ? m : next]].facet;
+                owner = around[thirds[low == k ? m : next]].facet;
             corner.vertex = vertex_of(out, owner, planes[2], planes[3]);
         }
-        third += n;
         // The edges that the facet owns have thirds above j, so the ring runs along their direction.
         for (uint32_t m = facet.ring_begin; m < facet.ring_end; ++m) {
             const VoronoiDiagram::Corner& corner = out.rings[m];
-            if (corner.third < facet.j) continue;
+            if (!owns(facet, corner.third)) continue;
             VoronoiDiagram::Edge& edge = out.edges[corner.edge];
             edge.start = out.rings[(m == facet.ring_begin ? facet.ring_end : m) - 1].vertex;
             edge.end = corner.vertex;
         }
-    }
+    });
 }
 
 } // namespace brittle::fracture::exact

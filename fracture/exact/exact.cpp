@@ -1,6 +1,8 @@
 #include "fracture/exact/exact.h"
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 
 #include "fracture/exact/assemble.h"
 #include "fracture/exact/bonds.h"
@@ -11,6 +13,7 @@
 #include "fracture/exact/islands.h"
 #include "fracture/exact/scene.h"
 #include "fracture/exact/slivers.h"
+#include "fracture/exact/solid_grid.h"
 #include "fracture/exact/surface.h"
 #include "fracture/exact/winding.h"
 
@@ -21,6 +24,7 @@ struct Scratch::State {
     uint32_t requested_threads = 1;
     Scene scene;
     Surface surface;
+    SolidGrid solid_grid;
     DiagramBuilder diagram_builder;
     VoronoiDiagram diagram;
     Frames frames;
@@ -74,6 +78,15 @@ Error not_closed() {
                                   "report the mesh and the sites"};
 }
 
+// The bins of the grid that tells which cells lie outside the solid; 0 where it costs more than the cells.
+uint32_t bins_of_grid(size_t sites, size_t triangles, bool weighted) {
+    constexpr size_t min_sites = 100;
+    constexpr size_t max_triangles_per_site = 150;
+    constexpr double bins_per_cell = 2.5;
+    if (weighted || sites < min_sites || triangles > max_triangles_per_site * sites) return 0;
+    return static_cast<uint32_t>(std::clamp(bins_per_cell * std::cbrt(static_cast<double>(sites)), 8.0, 128.0));
+}
+
 // The phases. Throws Threads::Cancelled.
 Result<void> run_phases(const TriangleMesh& mesh, std::span<const glm::dvec3> sites, const Settings& settings,
                         const CapLattice& lattice, Scratch::State& s, Fragments& out) {
@@ -90,7 +103,9 @@ Result<void> run_phases(const TriangleMesh& mesh, std::span<const glm::dvec3> si
     clock.done("prepare", 0.05);
 
     s.threads.name_step("cells");
-    s.diagram_builder.build(problem, s.threads, s.diagram);
+    const uint32_t bins = bins_of_grid(sites.size(), mesh.triangles.size(), !settings.weights.empty());
+    if (bins != 0) s.solid_grid.build(s.scene.positions, mesh.triangles, problem.box, bins, s.threads);
+    s.diagram_builder.build(problem, s.threads, bins != 0 ? &s.solid_grid : nullptr, s.diagram);
     s.frames.build(problem, s.diagram, s.threads);
     stats += s.diagram_builder.stats();
     clock.done("cells", 0.3);
@@ -99,7 +114,8 @@ Result<void> run_phases(const TriangleMesh& mesh, std::span<const glm::dvec3> si
     s.cell_of.resize(mesh.positions.size());
     s.cell_of_triangle.resize(mesh.triangles.size());
     guessed = guessed && classifier->finish(s.cell_of, s.cell_of_triangle);
-    classify(problem, s.diagram, s.frames, s.scene.positions, guessed, s.threads, s.cell_of, stats);
+    classify(problem, s.diagram, s.frames, s.diagram_builder.tree(), s.scene.positions, guessed, s.threads, s.cell_of,
+             stats);
     sort_triangles(s.surface, mesh.triangles, s.cell_of, guessed, s.threads, s.cell_of_triangle, s.cut);
     clock.done("classify", 0.4);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
+#include <limits>
 
 #include <glm/common.hpp>
 
@@ -83,6 +84,36 @@ void SiteTree::build(std::span<const glm::dvec3> sites, std::span<const double> 
     }
     positions_.resize(order_.size());
     for (size_t k = 0; k < order_.size(); ++k) positions_[k] = sites[order_[k]];
+}
+
+SiteId SiteTree::nearest(const glm::dvec3& point) const {
+    const auto distance2_to = [&](const Node& node) {
+        const glm::dvec3 gap = glm::max(glm::max(node.low - point, point - node.high), glm::dvec3(0.0));
+        return gap.x * gap.x + gap.y * gap.y + gap.z * gap.z;
+    };
+    double least = std::numeric_limits<double>::infinity();
+    SiteId nearest = no_index;
+    const auto search = [&](const auto& self, uint32_t n) -> void {
+        const Node& node = nodes_[n];
+        if (node.first_child != 0) {
+            const uint32_t first = node.first_child, second = first + 1;
+            const double to_first = distance2_to(nodes_[first]), to_second = distance2_to(nodes_[second]);
+            const bool swap = to_second < to_first;
+            if (std::min(to_first, to_second) < least) self(self, swap ? second : first);
+            if (std::max(to_first, to_second) < least) self(self, swap ? first : second);
+            return;
+        }
+        for (uint32_t k = node.begin; k < node.end; ++k) {
+            const glm::dvec3 d = positions_[k] - point;
+            const double distance2 = d.x * d.x + d.y * d.y + d.z * d.z;
+            if (distance2 < least || nearest == no_index) {
+                least = distance2;
+                nearest = order_[k];
+            }
+        }
+    };
+    search(search, 0);
+    return nearest;
 }
 
 SiteTree::Walk::Walk(const SiteTree& tree, const glm::dvec3& position, SiteId c, WalkMemory& memory)

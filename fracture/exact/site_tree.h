@@ -23,6 +23,18 @@ class SiteTree {
     // False for a duplicate of a site with a greater weight, or with an equal weight and a lower index.
     [[nodiscard]] bool owns_cell(SiteId c) const { return owns_cell_[c] != 0; }
 
+    // The sites that own a cell, leaf by leaf: consecutive sites are close to each other.
+    [[nodiscard]] std::span<const SiteId> order() const { return order_; }
+
+    // Calls visit(site, position) for the sites that own a cell, leaf by leaf.
+    template<class Visit>
+    void visit(const Visit& visit) const {
+        for (size_t k = 0; k < order_.size(); ++k) visit(order_[k], positions_[k]);
+    }
+
+    // A site that is nearest to a point, up to rounding.
+    [[nodiscard]] SiteId nearest(const glm::dvec3& point) const;
+
     [[nodiscard]] double max_weight() const { return max_weight_; }
 
     struct Candidate {

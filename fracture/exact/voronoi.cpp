@@ -30,7 +30,7 @@ Result<VoronoiDiagram> voronoi_diagram(std::span<const glm::dvec3> sites, const 
     Threads pool(threads);
     exact::DiagramBuilder builder;
     VoronoiDiagram diagram;
-    builder.build(problem, pool, diagram);
+    builder.build(problem, pool, nullptr, diagram);
     for (VoronoiDiagram::Vertex& v : diagram.vertices) v.position /= to_scene;
     return diagram;
 }

@@ -3,7 +3,7 @@
 // No ray is cast. Along a Voronoi edge the number rises by one at a pierce point where the edge enters the solid and
 // falls by one where it leaves; on the box it is zero. Every Voronoi vertex is connected with the box along Voronoi
 // edges (cells are convex polytopes, whose corners and edges are connected), so one walk over the diagram finds all
-// numbers.
+// numbers. A vertex that stands for those of cells outside the solid (diagram.h) counts as one on the box.
 //
 // A surface that overlaps itself may give any integer: a vertex of winding number w belongs to |w| sheets of the solid,
 // each with its own copy of the vertex. The sheets of a vertex with a negative number are inside out.
