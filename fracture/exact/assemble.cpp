@@ -8,7 +8,7 @@ namespace brittle::fracture::exact {
 namespace {
 
 constexpr uint32_t min_vertices_per_chunk = 8192;
-constexpr uint32_t min_triangles_per_chunk = 8192;
+constexpr uint32_t min_triangles_per_chunk = TriangleSorter::min_triangles_per_chunk;
 constexpr uint32_t min_points_per_chunk = 2048;
 
 uint32_t size_of(const auto& array) {
@@ -37,46 +37,6 @@ double distance2(const glm::dvec3& a, const glm::dvec3& b) {
 }
 
 } // namespace
-
-void sort_triangles(const Surface& surface, std::span<const Triangle> triangles, std::span<const SiteId> cell_of,
-                    bool guessed, Threads& threads, std::vector<SiteId>& cell_of_triangle, Cut& cut) {
-    const uint32_t count = size_of(triangles);
-    cell_of_triangle.resize(count);
-    const uint32_t parts = threads.chunks(count, min_triangles_per_chunk);
-    std::vector<uint32_t> crossing_begin(parts + 1, 0);
-    const auto left_out = [&](uint32_t t) {
-        return surface.leaves_triangles_out() && surface.components()[triangles[t].x] == no_index;
-    };
-    threads.for_chunks(count, min_triangles_per_chunk, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
-        uint32_t crossing = 0;
-        for (uint32_t t = begin; t < end; ++t) {
-            if (guessed && (cell_of_triangle[t] & Classifier::crossing) == 0 && !left_out(t)) continue;
-            const SiteId a = cell_of[triangles[t].x], b = cell_of[triangles[t].y], c = cell_of[triangles[t].z];
-            const bool whole = a == b && b == c;
-            const bool used = !left_out(t);
-            if (!used)
-                cell_of_triangle[t] = no_index;
-            else if (whole)
-                cell_of_triangle[t] = a;
-            else if (!guessed)
-                cell_of_triangle[t] = Classifier::crossing;
-            crossing += whole || !used ? 0 : 1;
-        }
-        crossing_begin[chunk + 1] = crossing;
-    });
-    for (uint32_t k = 0; k < parts; ++k) crossing_begin[k + 1] += crossing_begin[k];
-    cut.crossing.resize(crossing_begin[parts]);
-    threads.for_chunks(count, min_triangles_per_chunk, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
-        uint32_t at = crossing_begin[chunk];
-        if (at == crossing_begin[chunk + 1]) return;
-        for (uint32_t t = begin; t < end; ++t) {
-            if ((cell_of_triangle[t] & Classifier::crossing) == 0 || left_out(t)) continue;
-            cut.crossing[at].triangle = t;
-            cut.crossing[at++].known = cell_of_triangle[t] & ~Classifier::crossing;
-            cell_of_triangle[t] = no_index;
-        }
-    });
-}
 
 uint32_t Assembler::local_index(const Input& input, VertexId id, SiteId cell) const {
     switch (id.kind()) {
@@ -140,12 +100,8 @@ void Assembler::count_triangles(const Input& input, Threads& threads) {
     polygon_row_ = threads.chunks(triangles, min_triangles_per_chunk);
     cap_row_ = polygon_row_ + cut.chunk_count;
     triangle_table_.reset(cap_row_ + size_of(input.caps), cells);
-    threads.for_chunks(triangles, min_triangles_per_chunk, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
-        uint32_t* const row = triangle_table_.row(chunk);
-        for (uint32_t t = begin; t < end; ++t) {
-            if (input.cell_of_triangle[t] != no_index) ++row[input.cell_of_triangle[t]];
-        }
-    });
+    for (uint32_t k = 0; k < polygon_row_; ++k)
+        std::copy_n(input.whole_triangles.row(k), cells, triangle_table_.row(k));
     threads.for_chunks(cut.chunk_count, 1, [&](uint32_t, uint32_t begin, uint32_t end) {
         for (uint32_t k = begin; k < end; ++k) {
             uint32_t* const row = triangle_table_.row(polygon_row_ + k);

@@ -12,11 +12,11 @@
 #include <vector>
 
 #include "fracture/base/threads.h"
-#include "fracture/classifier.h"
 #include "fracture/exact/caps.h"
 #include "fracture/exact/cell_table.h"
 #include "fracture/exact/cut.h"
 #include "fracture/exact/surface.h"
+#include "fracture/exact/triangle_sorter.h"
 #include "fracture/pieces/fragments.h"
 
 namespace brittle::fracture::exact {
@@ -30,14 +30,6 @@ struct CellRun {
     uint32_t exterior = 0;        // and with this many triangles of the mesh surface, uncut or cut
 };
 
-// Divides the triangles of the mesh into whole ones, with all corners in one cell, and crossing ones. Fills
-// cut.crossing and cell_of_triangle (no_index for a crossing triangle and for a component that encloses nothing).
-//
-// `guessed`: cell_of_triangle holds the answers of a classifier (classifier.h). Only triangles that the classifier
-// calls crossing are examined, and its flags for them go to CrossingTriangle::known.
-void sort_triangles(const Surface& surface, std::span<const Triangle> triangles, std::span<const SiteId> cell_of,
-                    bool guessed, Threads& threads, std::vector<SiteId>& cell_of_triangle, Cut& cut);
-
 class Assembler {
   public:
     struct Input {
@@ -47,7 +39,8 @@ class Assembler {
         const VoronoiDiagram& diagram;
         std::span<const SiteId> cell_of;
         std::span<const SiteId> cell_of_triangle;
-        Cut& cut; // its points and nodes receive their local indices
+        CellTable& whole_triangles; // as TriangleSorter counts them
+        Cut& cut;                   // its points and nodes receive their local indices
         std::span<const CapChunk> caps;
     };
 

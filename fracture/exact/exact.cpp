@@ -15,6 +15,7 @@
 #include "fracture/exact/slivers.h"
 #include "fracture/exact/solid_grid.h"
 #include "fracture/exact/surface.h"
+#include "fracture/exact/triangle_sorter.h"
 #include "fracture/exact/winding.h"
 
 namespace brittle::fracture::exact {
@@ -30,6 +31,7 @@ struct Scratch::State {
     Frames frames;
     std::vector<SiteId> cell_of;
     std::vector<SiteId> cell_of_triangle;
+    TriangleSorter triangle_sorter;
     EdgeCutter edge_cutter;
     TriangleCutter triangle_cutter;
     Cut cut;
@@ -116,7 +118,8 @@ Result<void> run_phases(const TriangleMesh& mesh, std::span<const glm::dvec3> si
     guessed = guessed && classifier->finish(s.cell_of, s.cell_of_triangle);
     classify(problem, s.diagram, s.frames, s.diagram_builder.tree(), s.scene.positions, guessed, s.threads, s.cell_of,
              stats);
-    sort_triangles(s.surface, mesh.triangles, s.cell_of, guessed, s.threads, s.cell_of_triangle, s.cut);
+    s.triangle_sorter.run({s.surface, mesh.triangles, s.cell_of, static_cast<uint32_t>(sites.size())}, guessed,
+                          s.threads, s.cell_of_triangle, s.cut);
     clock.done("classify", 0.4);
 
     s.threads.name_step("cut edges");
@@ -134,8 +137,15 @@ Result<void> run_phases(const TriangleMesh& mesh, std::span<const glm::dvec3> si
     clock.done("caps", 0.75);
 
     s.threads.name_step("assemble");
-    const Assembler::Input input{mesh,  s.scene,          s.surface, s.diagram, s.cell_of, s.cell_of_triangle,
-                                 s.cut, s.capper.chunks()};
+    const Assembler::Input input{mesh,
+                                 s.scene,
+                                 s.surface,
+                                 s.diagram,
+                                 s.cell_of,
+                                 s.cell_of_triangle,
+                                 s.triangle_sorter.whole_triangles(),
+                                 s.cut,
+                                 s.capper.chunks()};
     s.assembler.run(input, s.threads, out);
     clock.done("assemble", 0.85);
 
