@@ -26,11 +26,11 @@ uint64_t hash_of(const glm::dvec3& p) {
     return h;
 }
 
-// The order of the heap. Ties are broken by index, so that a walk does not depend on the standard library's heap. A
-// lambda is inlined; a function would be called through a pointer.
-constexpr auto farther = [](const SiteTree::WalkMemory::Entry& a, const SiteTree::WalkMemory::Entry& b) {
+// Orders the nodes to visit, nearest last. Ties are broken by index, so that a walk does not depend on the order of
+// insertion.
+bool is_farther(const SiteTree::WalkMemory::Entry& a, const SiteTree::WalkMemory::Entry& b) {
     return a.distance2 != b.distance2 ? a.distance2 > b.distance2 : a.node > b.node;
-};
+}
 
 } // namespace
 
@@ -118,7 +118,7 @@ SiteId SiteTree::nearest(const glm::dvec3& point) const {
 
 SiteTree::Walk::Walk(const SiteTree& tree, const glm::dvec3& position, SiteId c, WalkMemory& memory)
     : tree_(tree), position_(position), c_(c), memory_(memory) {
-    memory_.heap.assign(1, {0.0, 0});
+    memory_.nodes.assign(1, {0.0, 0});
 }
 
 void SiteTree::Walk::visit_leaf(uint32_t begin, uint32_t end, const Reach& reach) {
@@ -140,17 +140,20 @@ void SiteTree::Walk::push(uint32_t node, const Reach& reach) {
     const glm::dvec3 gap = glm::max(glm::max(low, -high), glm::dvec3(0.0));
     const double distance2 = gap.x * gap.x + gap.y * gap.y + gap.z * gap.z;
     if (distance2 > reach.radius2) return;
-    memory_.heap.push_back({distance2, node});
-    std::push_heap(memory_.heap.begin(), memory_.heap.end(), farther);
+    std::vector<WalkMemory::Entry>& nodes = memory_.nodes;
+    const WalkMemory::Entry entry{distance2, node};
+    size_t at = nodes.size();
+    nodes.push_back(entry);
+    for (; at > 0 && is_farther(entry, nodes[at - 1]); --at) nodes[at] = nodes[at - 1];
+    nodes[at] = entry;
 }
 
 bool SiteTree::Walk::next(const Reach& reach) {
     memory_.batch.clear();
     while (memory_.batch.empty()) {
-        if (memory_.heap.empty()) return false;
-        std::pop_heap(memory_.heap.begin(), memory_.heap.end(), farther);
-        const WalkMemory::Entry nearest = memory_.heap.back();
-        memory_.heap.pop_back();
+        if (memory_.nodes.empty()) return false;
+        const WalkMemory::Entry nearest = memory_.nodes.back();
+        memory_.nodes.pop_back();
         if (nearest.distance2 > reach.radius2) return false;
         const Node& node = tree_.nodes_[nearest.node];
         if (node.first_child == 0) {

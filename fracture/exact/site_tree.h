@@ -57,7 +57,7 @@ class SiteTree {
             double distance2; // squared distance to the node's box
             uint32_t node;
         };
-        std::vector<Entry> heap; // nearest first
+        std::vector<Entry> nodes; // to visit, nearest last: few, so that insertion takes less time than a heap
         std::vector<Candidate> batch;
     };
 
