@@ -300,6 +300,7 @@ void DiagramBuilder::link_rings(SiteId c, VoronoiDiagram& out) const {
     const VoronoiDiagram::Neighbour* const around = out.neighbours.data() + out.cell_begin[c];
     visit_owned(c, [&](uint32_t f, std::span<const uint32_t> thirds) {
         const VoronoiDiagram::Facet& facet = out.facets[f];
+        uint32_t own_edge = edge_begin_[f], own_vertex = vertex_begin_[f]; // in the order of fill_owned()
         for (size_t m = 0; m < thirds.size(); ++m) {
             VoronoiDiagram::Corner& corner = out.rings[facet.ring_begin + m];
             const size_t next = m + 1 == thirds.size() ? 0 : m + 1;
@@ -307,15 +308,16 @@ void DiagramBuilder::link_rings(SiteId c, VoronoiDiagram& out) const {
             corner.edge = outside_edge_;
             corner.vertex = outside_vertex_;
             if (!is_built(k)) continue;
-            corner.edge = k > facet.j ? edge_of(out, f, k) : edge_of(out, around[thirds[m]].facet, facet.j);
+            corner.edge = k > facet.j ? own_edge++ : edge_of(out, around[thirds[m]].facet, facet.j);
             if (!is_built(l)) continue;
             const auto [low, high] = std::minmax(k, l);
+            if (low > facet.j) {
+                corner.vertex = own_vertex++;
+                continue;
+            }
             const auto planes = sorted<4>({facet.i, facet.j, k, l});
-            uint32_t owner = f;
-            if (high < facet.i)
-                owner = out.facet_between(low, high);
-            else if (low < facet.j)
-                owner = around[thirds[low == k ? m : next]].facet;
+            const uint32_t owner =
+                high < facet.i ? out.facet_between(low, high) : around[thirds[low == k ? m : next]].facet;
             corner.vertex = vertex_of(out, owner, planes[2], planes[3]);
         }
         // The edges that the facet owns have thirds above j, so the ring runs along their direction.
