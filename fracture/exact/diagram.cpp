@@ -251,13 +251,13 @@ void DiagramBuilder::number_items(VoronoiDiagram& out) {
 }
 
 // Adds the vertex and the edge that stand for all vertices and edges of cells that were not built. They count as parts
-// of the box, because they lie outside the solid.
+// of the box, because they lie outside the solid. The edge names a site that exists, so that readers may look it up.
 void DiagramBuilder::add_outside(VoronoiDiagram& out) {
     constexpr PlaneId none = VoronoiDiagram::none;
     outside_vertex_ = static_cast<uint32_t>(out.vertices.size());
     outside_edge_ = static_cast<uint32_t>(out.edges.size());
     out.vertices.push_back({{none, none, none, none}, glm::dvec3(0.0)});
-    out.edges.push_back({{none, none, none}, outside_vertex_, outside_vertex_});
+    out.edges.push_back({{0, 0, none}, outside_vertex_, outside_vertex_});
 }
 
 void DiagramBuilder::fill_owned(const Diagram& problem, SiteId c, VoronoiDiagram& out) const {

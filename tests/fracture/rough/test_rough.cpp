@@ -293,6 +293,20 @@ TEST_CASE("rough cuts: groups that are merged later are as whole as groups, and 
         CHECK(later.pieces[p].mass.volume == doctest::Approx(grouped.pieces[p].mass.volume).epsilon(1e-3));
 }
 
+TEST_CASE("rough cuts: groups of many sites, most of whose cells lie outside the solid") {
+    const TriangleMesh mesh = torus(48, 24);
+    const auto sites = uniform_sites(bounds(mesh), 400, 5);
+    Settings settings;
+    settings.rough = {.amount = 0.5};
+    for (const glm::dvec3& site : sites) settings.merged_later.push_back(site.x < 0.0 ? 0 : 1);
+    for (const bool merged_later : {true, false}) {
+        if (!merged_later) settings.groups = std::exchange(settings.merged_later, {});
+        const Certificate certificate = certify(mesh, rough_pieces(mesh, sites, settings));
+        CHECK(certificate.closed);
+        CHECK(certificate.volume_error < 1e-12);
+    }
+}
+
 TEST_CASE("rough cuts: cut again and again, a piece does not fall into ever finer triangles") {
     TriangleMesh mesh = cube(1.0);
     for (glm::dvec3& p : mesh.positions) p *= glm::dvec3(4.0, 2.0, 0.3);
