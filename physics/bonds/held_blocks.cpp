@@ -215,8 +215,8 @@ void take_out(StressBond& bond, double area, const glm::dvec3& centroid) {
 
 std::shared_ptr<const HeldBlocks> blocks_without(const HeldBlocks& blocks, const fracture::TriangleMesh& lost,
                                                  float density, uint32_t threads) {
-    constexpr double least_mass = 0.5, least_area = 0.5; // shares of the first ones
-    constexpr double negligible_area = 1e-3;             // of the smallest contact
+    constexpr double min_mass_share = 0.5, min_area_share = 0.5; // shares of the first ones
+    constexpr double negligible_area = 1e-3;                     // of the smallest contact
     const fracture::Result<fracture::Fragments> cut = fracture::fracture(lost, blocks.sites, {.threads = threads});
     if (!cut) return nullptr;
     auto left = std::make_shared<HeldBlocks>(blocks);
@@ -236,7 +236,7 @@ std::shared_ptr<const HeldBlocks> blocks_without(const HeldBlocks& blocks, const
         if (!found) return nullptr;
         const uint32_t node = nodes.emplace_back(*found);
         const double mass = piece.mass.volume * static_cast<double>(density);
-        if (!(left->nodes[node].mass - mass > least_mass * blocks.first_masses[node])) return nullptr;
+        if (!(left->nodes[node].mass - mass > min_mass_share * blocks.first_masses[node])) return nullptr;
         take_out(left->nodes[node], mass, piece.mass.centre_of_mass, piece.mass.inertia * static_cast<double>(density));
     }
     for (const fracture::Bond& contact : cut->bonds) {
@@ -247,7 +247,7 @@ std::shared_ptr<const HeldBlocks> blocks_without(const HeldBlocks& blocks, const
         });
         if (bond == left->bonds.end()) return nullptr;
         const double first = blocks.first_areas[static_cast<size_t>(bond - left->bonds.begin())];
-        if (!(bond->area - contact.area > least_area * first)) return nullptr;
+        if (!(bond->area - contact.area > min_area_share * first)) return nullptr;
         take_out(*bond, contact.area, contact.centroid);
     }
     set_min_area(*left);
