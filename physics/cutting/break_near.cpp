@@ -144,8 +144,6 @@ class NearBreak {
             solid.clusters = std::move(part.mesh);
             solid.cut_limit = tags.limit(sites_.size());
             finish(solid, settings_);
-            const double moved = glm::distance(solid.mass.centre_of_mass, solid_.mass.centre_of_mass);
-            solid.radius = std::min(solid.radius, solid_.radius + static_cast<float>(moved));
             if (left.size() == 1) keep_blocks(solid);
             if (!solid.blocks) add_blocks(solid, settings_, cancelled_);
             // Inside of what remains, the surface of all remains is that of one part.

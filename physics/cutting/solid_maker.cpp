@@ -6,10 +6,10 @@
 #include <string>
 #include <utility>
 
-#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
 #include "fracture/base/threads.h"
+#include "fracture/local/cluster_queries.h"
 
 namespace brittle::physics {
 
@@ -90,9 +90,7 @@ bool reaches(const AnchorRegion& region, const fracture::ClusterMesh& surface) {
 
 Extent extent_of(const fracture::ClusterMesh& surface, const glm::dvec3& centre,
                  std::span<const AnchorRegion> anchors) {
-    const fracture::Box box = surface.box();
-    const glm::dvec3 corner = glm::max(centre - box.min, box.max - centre); // the farthest one
-    return {box, static_cast<float>(glm::length(corner)),
+    return {surface.box(), static_cast<float>(fracture::farthest_from(surface, centre)),
             std::ranges::any_of(anchors, [&](const AnchorRegion& region) { return reaches(region, surface); })};
 }
 

@@ -77,7 +77,7 @@ class SolidPiece {
     fracture::MassProperties mass{}; // at density 1
     BodyMass body{};                 // kg
     std::vector<BodyPart> parts{};   // collision hulls, relative to the centre of mass
-    float radius = 0.0f;             // m, of a ball around the centre of mass that holds the solid
+    float radius = 0.0f;             // m, around the centre of mass
     double bearable = 0.0;           // N, see bearable_force()
     bool anchored = false;
     bool breakable = false;                     // large enough for a cut
