@@ -18,20 +18,20 @@ namespace brittle::engine {
 
 // One piece to upload: a triangle list, counter-clockwise seen from outside, exterior triangles first.
 struct PieceMesh {
-    std::span<const glm::vec3> positions{};  // relative to the body's centre of mass, in the body's frame
+    std::span<const glm::vec3> positions{};  // the origin is the body's centre of mass, unless attached with an offset
     std::span<const glm::uvec3> triangles{}; // indices into positions
     uint32_t exterior_triangles = 0;         // number of exterior triangles, the first of `triangles`
     uint32_t body = 0;                       // index of the pose that moves the piece; several pieces may share a body
     glm::vec3 tint{1.0f};                    // multiplies both materials; piece_tint()
-    // Exterior triangles of other pieces around this one: smooth shading goes on across the border. They are not drawn.
-    // Vertices that only they use come last.
+    // Exterior triangles of other pieces around this one. They are not drawn, but count for the normals of vertices on
+    // the border. The vertices that only these triangles use are the last ones.
     std::span<const glm::uvec3> neighbours{};
 };
 
 // What moves a piece, and how it is shown.
 struct PieceAttachment {
-    uint32_t body = 0; // as of PieceMesh
-    glm::vec3 tint{1.0f};
+    uint32_t body = 0;      // as PieceMesh::body
+    glm::vec3 tint{1.0f};   // as PieceMesh::tint
     glm::vec3 offset{0.0f}; // m, from the body's centre of mass to the origin of the positions, in the body's frame
     uint32_t id = 0;        // what Renderer::render_ids() shows; 0: the number of the handle
 };

@@ -55,8 +55,8 @@ struct HeldBlocks {
 [[nodiscard]] std::vector<glm::dvec3> block_sites(const fracture::TriangleMesh& mesh, uint32_t max_sites);
 
 // Divides the solid into blocks. `held` returns whether a piece of that fracture is fixed to the world. threads: 0 is
-// one a core. One block, without bonds, if the solid is nowhere thinner than elsewhere. Null if it cannot be fractured,
-// or `cancelled` returns true.
+// one a core. One block without bonds if the solid has no thin places. Null if it cannot be fractured, or if `cancelled`
+// returns true.
 [[nodiscard]] std::shared_ptr<const HeldBlocks>
 held_blocks(const fracture::TriangleMesh& mesh, float density, const HeldBlockSettings& settings,
             const std::function<bool(const fracture::Fragments&, const fracture::Piece&)>& held, uint32_t threads = 1,

@@ -63,7 +63,8 @@ class SolidPiece {
     // Both before the solid is shared. Only cuts need the exact positions and the clusters.
     void set_surface(SolidSurface surface);
     void drop_cut_data();
-    // What follows costs no arrays. A surface of clusters counts as many vertices as a ball of its triangles has.
+    // These functions make no arrays. The number of vertices of a clustered surface is an estimate: that of a closed
+    // surface without holes, half the triangles plus two.
     [[nodiscard]] size_t triangle_count() const;
     [[nodiscard]] size_t vertex_count() const;
     [[nodiscard]] bool is_clustered() const { return clusters.triangle_count() > 0; }

@@ -1,6 +1,6 @@
 // A mesh on a stage: whole at first, then broken into pieces that fall. The stage draws a Simulation: fragments become
-// geometry, and the poses of moved pieces go straight into the renderer's instance buffer. Of pieces that blows cut,
-// only what is new is uploaded; the thread that cut them has prepared it (piece_drawing.h).
+// geometry, and the poses of moved pieces go straight into the renderer's instance buffer. A blow uploads new geometry
+// only. The thread that cuts the piece makes this geometry (piece_drawing.h).
 //
 // Lengths are metres: the mesh is scaled and stands on the ground (y = 0) or above it (stage_placement.h).
 //
