@@ -107,7 +107,7 @@ void finish(SolidPiece& solid, const SolidSettings& settings) {
     solid.body = is_possible(exact) ? exact : box_mass(corners, settings.material.density);
     solid.bearable = bearable_force(settings.material, solid.mass.volume, extent.box);
     solid.anchored = extent.anchored;
-    solid.breakable = solid.mass.volume >= 2.0 * cube(settings.min_size);
+    solid.breakable = settings.breakable && solid.mass.volume >= 2.0 * cube(settings.min_size);
 }
 
 void add_blocks(SolidPiece& solid, const SolidSettings& settings, const std::function<bool()>& cancelled) {

@@ -1,7 +1,9 @@
 #include "physics/cutting/solid_piece.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <numeric>
 #include <string>
 #include <utility>
 
@@ -11,6 +13,7 @@
 #include "fracture/base/threads.h"
 #include "fracture/fracture.h"
 #include "physics/cutting/solid_maker.h"
+#include "physics/world/surface_parts.h"
 
 namespace brittle::physics {
 
@@ -114,6 +117,21 @@ SolidPtr solid_of(const Fragments& fragments, const Piece& piece, const SolidSet
     SolidPiece solid = copy_of(fragments, piece, settings);
     solid.parts.push_back({std::make_shared<const CollisionHull>(
         collision_hull(fragments.positions_of(piece), piece.mass.centre_of_mass, settings.parts.hull))});
+    return std::make_shared<const SolidPiece>(std::move(solid));
+}
+
+Result<SolidPtr> fixed_solid(const fracture::TriangleMesh& mesh) {
+    const Box box = fracture::bounds(mesh);
+    SolidPiece solid;
+    solid.mass.centre_of_mass = box.centre(); // of an open mesh there is no other
+    solid.parts = surface_parts(mesh.positions, mesh.triangles, box.centre());
+    if (solid.parts.empty()) return Error{Status::invalid_mesh, "no triangle of the mesh has an area"};
+    solid.body = box_mass(std::array{box.min, box.max}, Material{}.density);
+    std::vector<uint32_t> source(mesh.triangles.size());
+    std::iota(source.begin(), source.end(), 0u);
+    set_surface(solid, mesh, source);
+    for (const glm::vec3& p : solid.surface().positions) solid.radius = std::max(solid.radius, glm::length(p));
+    solid.anchored = true;
     return std::make_shared<const SolidPiece>(std::move(solid));
 }
 

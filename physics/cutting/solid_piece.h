@@ -34,6 +34,7 @@ namespace brittle::physics {
 
 struct SolidSettings {
     Material material{};
+    bool breakable = true; // false: blows move it, but never cut it
     // m, cube root of the minimum volume of a piece. A smaller one joins a neighbour; only a piece
     // without a neighbour may be smaller. A solid below twice the minimum volume is not cut.
     double min_size = 0.05;
@@ -135,6 +136,9 @@ break_solid(const SolidPiece& solid, std::span<const glm::dvec3> sites, std::spa
 // A piece of a fracture, with one collision hull. Source triangles are those of the fracture's input.
 [[nodiscard]] SolidPtr solid_of(const fracture::Fragments& fragments, const fracture::Piece& piece,
                                 const SolidSettings& settings);
+// A solid that is fixed and never cut. Its collision hulls follow its surface (surface_parts.h), so the mesh may be
+// concave, open or pass through itself. Fails with invalid_mesh where no triangle has an area.
+[[nodiscard]] fracture::Result<SolidPtr> fixed_solid(const fracture::TriangleMesh& mesh);
 // All pieces of a fracture, made in parallel on `threads` threads (0: one a core). `hollow` gives each piece as many
 // collision hulls as its shape takes, as make_solid() does. Fails with invalid_setting as make_solid() does.
 [[nodiscard]] fracture::Result<std::vector<SolidPtr>>

@@ -20,7 +20,11 @@ uint32_t part_count(const Body& body) {
 HullOf hull_of(const Body& body, uint32_t part) {
     if (!body.compound) return {.body = &body, .shape = &body.hull()};
     const CompoundShape::Child& child = body.compound->children()[part];
-    return {.body = &body, .shape = &child.shape(), .local = &child.frame, .part = part};
+    return {.body = &body,
+            .shape = &child.shape(),
+            .local = &child.frame,
+            .part = part,
+            .facet = child.hull->source->facet.get()};
 }
 
 Bounds bounds_of(const Body& body, uint32_t part) {

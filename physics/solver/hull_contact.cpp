@@ -170,11 +170,37 @@ class HullContacts final : public PairContacts {
     std::optional<HullDistance> search(const Frames& now, float near) {
         free_ = gap(now, now.a.basis * axis_) - near;
         if (free_ > 0.0f) return std::nullopt;
-        const HullDistance found =
-            hull_distance(*a_.shape, *b_.shape, now.a.to_local(now.b), margins_ + near, simplex_);
+        HullDistance found = hull_distance(*a_.shape, *b_.shape, now.a.to_local(now.b), margins_ + near, simplex_);
         axis_ = found.normal;
         free_ = found.distance - margins_ - near;
-        return free_ > 0.0f ? std::nullopt : std::optional(found);
+        if (free_ > 0.0f) return std::nullopt;
+        face_only_ = limit_to_facets(now, found);
+        return found;
+    }
+
+    // Turns the direction of a contact to one that the facets of surfaces allow. Returns whether it turned: the nearest
+    // points then are none of the contact.
+    bool limit_to_facets(const Frames& now, HullDistance& found) const {
+        glm::vec3 normal = found.normal;
+        if (a_.facet) normal = -limited(*a_.facet, -normal, now.a.to_local(now.b).origin, found);
+        if (b_.facet) {
+            const Transform a_in_b = now.b.to_local(now.a);
+            normal = limited(*b_.facet, a_in_b.basis * normal, a_in_b.origin, found) * a_in_b.basis;
+        }
+        constexpr float same = 0.9999f; // cosine of 0.8 degrees
+        if (glm::dot(normal, found.normal) > same) return false;
+        found.normal = normal;
+        found.distance = gap(now, now.a.basis * normal) + margins_;
+        return true;
+    }
+
+    // `direction` is that to the other hull, whose middle is at `other`, in the axes of the facet. A hull that is apart
+    // from the slab of the facet, or has its middle below it, may be at its back.
+    static glm::vec3 limited(const SurfaceFacet& facet, const glm::vec3& direction, const glm::vec3& other,
+                             const HullDistance& found) {
+        const bool behind = glm::dot(direction, facet.normal) < 0.0f
+                            && (found.distance > 0.0f || glm::dot(other, facet.normal) < -facet.depth);
+        return behind ? direction : facet.limit(direction);
     }
 
     // The hulls now, or at the predicted moment of touch within the step, without rotation.
@@ -215,7 +241,7 @@ class HullContacts final : public PairContacts {
             add(faces.normal, corner.on_second, gap, corner.feature);
         }
         const float gap = touch.found.distance - margins_;
-        if (deepest > gap + still_) add(touch.found.normal, touch.found.point, gap, no_feature);
+        if (!face_only_ && deepest > gap + still_) add(touch.found.normal, touch.found.point, gap, no_feature);
         manifold_->set_breaking_threshold(std::max(near, farthest));
         manifold_->replace(candidates);
         free_ = still_;
@@ -276,6 +302,7 @@ class HullContacts final : public PairContacts {
     bool a_pushes_b_, b_pushes_a_; // the first is much heavier
     bool similar_mass_;            // both move, and none is much lighter
     float min_thickness_;
+    bool face_only_ = false; // the direction of the contact is not that of the nearest points
     float still_;            // relative movement up to which complete contacts stay as they are
     float free_ = -1.0f;     // relative movement up to which no search is needed; negative: always
     Transform searched_at_;  // of the smaller hull in the other's frame

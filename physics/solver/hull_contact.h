@@ -17,6 +17,7 @@
 // - The limit holds neither for a body that a much heavier one may pass over in the step, while the two move against
 //   each other, nor for two bodies of similar mass that approach by more than it. Their contacts are those of the
 //   predicted moment of touch, without rotation.
+// - A hull under the facet of a surface (SurfaceFacet) presses along directions that the facet allows.
 #pragma once
 
 #include <memory>
@@ -28,6 +29,7 @@ namespace brittle::physics {
 
 struct Body;
 class HullShape;
+struct SurfaceFacet;
 
 // A hull of a body.
 struct HullOf {
@@ -35,6 +37,7 @@ struct HullOf {
     const HullShape* shape = nullptr;
     const Transform* local = nullptr; // of the hull in a compound; null for the only hull
     uint32_t part = 0;
+    const SurfaceFacet* facet = nullptr; // of a part of a surface, else null
 
     [[nodiscard]] Transform frame() const;
 };

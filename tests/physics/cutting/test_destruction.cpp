@@ -127,6 +127,37 @@ TEST_CASE("destruction: blows to corners, edges, needles and flakes, beside and 
     }
 }
 
+TEST_CASE("destruction: rigid and fixed objects take part, but no blow cuts them") {
+    World world;
+    Destruction destruction;
+    const fracture::Result<SolidPtr> none = fixed_solid({{{0, 0, 0}, {1, 0, 0}}, {{0, 1, 1}}});
+    REQUIRE_FALSE(none.has_value());
+    fracture::TriangleMesh table = fracture::cube(2.0);
+    table.triangles.erase(table.triangles.begin(), table.triangles.begin() + 2); // open
+    const fracture::Result<SolidPtr> surface = fixed_solid(table);
+    REQUIRE(surface.has_value());
+    BreakableDesc at = desc_of(0.05);
+    at.motion.placement.position = {0.0f, 1.0f, 0.0f};
+    REQUIRE(destruction.add(world, *surface, at));
+    BreakableDesc rigid = desc_of(0.05);
+    rigid.solid.breakable = false;
+    rigid.motion.placement.position = {0.0f, 2.5f, 0.0f};
+    must_add(destruction, world, fracture::cube(0.5), rigid);
+    BreakableDesc glass = desc_of(0.05);
+    glass.motion.placement.position = {0.0f, 4.0f, 0.0f};
+    must_add(destruction, world, fracture::cube(0.5), glass);
+    for (const PieceId piece : destruction.pieces()) (void)strike_from_above(world, destruction, piece, 1e5);
+    run(world, destruction, 600);
+    CHECK(destruction.contains({0}));
+    CHECK(destruction.contains({1}));
+    CHECK_FALSE(destruction.contains({2}));
+    CHECK(world.fixed(destruction.body({0})));
+    CHECK(world.pose(destruction.body({0})).position == glm::vec3(0.0f, 1.0f, 0.0f));
+    CHECK(volume_of(destruction) == doctest::Approx(2 * 0.125)); // a fixed solid has no volume of its own
+    for (const PieceId piece : destruction.pieces())             // on the fixed box, or beside it on the ground
+        CHECK(world.pose(destruction.body(piece)).position.y > (piece == PieceId{1} ? 2.2f : 0.0f));
+}
+
 TEST_CASE("destruction: in empty space new pieces of any pattern do not move") {
     for (const PatternKind kind :
          {PatternKind::uniform, PatternKind::radial, PatternKind::clustered, PatternKind::splinters})
