@@ -240,9 +240,15 @@ bool LocalCut::cut_patch(const TriangleMesh& patch, const Box& region, std::span
             cells.triangle_source[t] = near_sites_[cells.triangle_source[t]];
         piece.site = near_sites_[piece.site];
     }
-    return std::ranges::all_of(cells.pieces, [&](const Piece& piece) {
-        return piece.mass.volume > 0.0 && (groups[piece.site] == rest || !std::isinf(piece.mass.volume));
-    });
+    // A piece without cuts that is inside out is a cavity. One with cuts is a splinter where the surface passes through
+    // itself, as a cut of the whole mesh has it too; the rest of its cell outweighs it unless a lid is wrong.
+    std::unordered_map<uint32_t, double> volumes; // by site
+    for (const Piece& piece : cells.pieces) {
+        if (!(piece.mass.volume > 0.0) && piece.exterior_triangles == piece.triangles.size()) return false;
+        if (std::isinf(piece.mass.volume) && groups[piece.site] != rest) return false;
+        volumes[piece.site] += piece.mass.volume;
+    }
+    return std::ranges::all_of(volumes, [](const auto& cell) { return cell.second > 0.0; });
 }
 
 std::optional<LocalCut> LocalCut::make(const ClusterMesh& mesh, std::span<const glm::dvec3> sites,

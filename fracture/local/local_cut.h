@@ -35,7 +35,8 @@ class LocalCut {
                                                       const Settings& settings);
 
     // The pieces, as of fracture() with these sites. triangle_source of an exterior triangle is an index into tags().
-    // Open pieces have an infinite volume, and no other mass properties.
+    // Open pieces have an infinite volume, and no other mass properties. A splinter where the surface passes through
+    // itself may have a negative volume.
     Fragments cells;
 
     // By triangle that was cut: its tag in the mesh.

@@ -22,8 +22,6 @@ using fracture::Fragments;
 using fracture::LocalCut;
 using fracture::Piece;
 
-// The limit of hulls of a solid that keeps them from blow to blow. Beyond it the whole solid is cut, and gets new ones.
-constexpr size_t max_kept_parts = 120;
 // Hulls of what remains below this share of the minimum volume of a piece, or of the solid, are left out.
 constexpr double min_part = 0.02, min_part_of_solid = 1e-4;
 
@@ -76,7 +74,7 @@ class NearBreak {
                 place = pieces.size();
         });
         for (size_t k = 0; k < remains.size(); ++k) {
-            if (!place || remains[k].parts.empty() || remains[k].parts.size() > max_kept_parts) return std::nullopt;
+            if (!place || remains[k].parts.empty()) return std::nullopt;
             pieces.insert(pieces.begin() + static_cast<ptrdiff_t>(*place + k), shared(std::move(remains[k])));
         }
         return pieces;
@@ -110,9 +108,8 @@ class NearBreak {
     // Finds the planes of the cells. Where two cells are in contact, that is the mean plane of the contact, along which
     // the hulls of both are cut; it differs from the bisector where cuts are rough.
     void bound_cells() {
-        std::vector<glm::dvec3> near;
-        for (const uint32_t site : cut_.near_sites()) near.push_back(sites_[site]);
-        for (uint32_t site = 0; site < near.size(); ++site) planes_.push_back(cell_planes(near, site));
+        for (const uint32_t site : cut_.near_sites()) near_.push_back(sites_[site]);
+        for (uint32_t site = 0; site < near_.size(); ++site) planes_.push_back(cell_planes(near_, site));
         const Fragments& cells = cut_.cells;
         if (cells.rough_triangles == 0) return;
         for (const fracture::Bond& bond : cells.bonds) {
@@ -148,7 +145,8 @@ class NearBreak {
             if (!solid.blocks) add_blocks(solid, settings_, cancelled_);
             // Inside of what remains, the surface of all remains is that of one part.
             solid.parts = remaining_parts({solid_.parts, solid_.mass.centre_of_mass}, solid.clusters, left.size() > 1,
-                                          {planes_, lost}, least, solid.mass.centre_of_mass, settings_.parts.hull);
+                                          {near_, planes_, lost, crumbs_}, least, solid.mass.centre_of_mass,
+                                          settings_.parts.hull);
         }
         return remains;
     }
@@ -169,12 +167,26 @@ class NearBreak {
         rest.blocks = blocks_without(*solid_.blocks, lost, settings_.material.density, settings_.threads);
     }
 
-    // A crumb of the rest, which nothing holds any more, takes its side of the cell; `centre` is that of the rest.
+    // A crumb of the rest, which nothing holds any more, takes its side of the cell, as far as it reaches; `centre` is
+    // that of the rest.
     void cut_off_crumbs(const glm::dvec3& centre) {
         for_pieces([&](const Piece& crumb, uint32_t first_cell) {
             if (groups_[crumb.site] != rest_ || cut_.is_open(crumb)) return;
-            const HullPlane side = side_of(cut_.cells.positions_of(crumb), crumb.mass.centre_of_mass, centre);
-            for_cells(first_cell, [&](uint32_t cell) { planes_of(sites_of_cells_[cell]).push_back(side); });
+            const auto points = cut_.cells.positions_of(crumb);
+            const HullPlane side = side_of(points, crumb.mass.centre_of_mass, centre);
+            const fracture::Box box = fracture::bounds(points);
+            for_cells(first_cell, [&](uint32_t cell) {
+                std::vector<HullPlane>& planes = planes_of(sites_of_cells_[cell]);
+                std::vector<HullPlane>& region = crumbs_.emplace_back(planes);
+                region.push_back({-side.normal, -side.distance});
+                for (int axis = 0; axis < 3; ++axis) {
+                    glm::dvec3 along(0.0);
+                    along[axis] = 1.0;
+                    region.push_back({along, box.max[axis]});
+                    region.push_back({-along, -box.min[axis]});
+                }
+                planes.push_back(side);
+            });
         });
     }
 
@@ -197,7 +209,10 @@ class NearBreak {
     std::vector<std::vector<BodyPart>> parts_;
     std::vector<glm::dvec3> centres_;
     std::vector<uint32_t> sites_of_cells_;
-    std::vector<std::vector<HullPlane>> planes_; // by near site: what bounds its cell
+    // By near site: its place, and what bounds its cell.
+    std::vector<glm::dvec3> near_;
+    std::vector<std::vector<HullPlane>> planes_;
+    std::vector<std::vector<HullPlane>> crumbs_; // what bounds those of the rest
 };
 
 } // namespace

@@ -17,8 +17,8 @@
 namespace brittle::physics {
 
 // The result of break_solid(), for a solid with clusters. Nothing where the whole solid must be cut: it has no
-// clusters, the cells reach over most of it, it falls apart far from the blow, or the hulls have become too many. The
-// wavelength of rough cuts must not be 0.
+// clusters, the cells reach over most of it, or it falls apart far from the blow. The wavelength of rough cuts must not
+// be 0.
 [[nodiscard]] std::optional<std::vector<SolidPtr>>
 break_near(const SolidPiece& solid, std::span<const glm::dvec3> sites, std::span<const uint32_t> groups,
            const fracture::Roughness& rough, const SolidSettings& settings, const std::function<bool()>& cancelled,

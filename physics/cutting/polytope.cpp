@@ -28,6 +28,18 @@ double turn(double x, double y) {
 
 } // namespace
 
+Polytope Polytope::of(const fracture::Box& box) {
+    Polytope polytope;
+    const auto corner = [&](int k) {
+        return glm::dvec3(k & 1 ? box.max.x : box.min.x, k & 2 ? box.max.y : box.min.y, k & 4 ? box.max.z : box.min.z);
+    };
+    constexpr std::array<std::array<int, 4>, 6> sides{
+        {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}}};
+    for (const auto& [a, b, c, d] : sides)
+        polytope.add_face(std::array{corner(a), corner(b), corner(c), corner(d)}, 0.0);
+    return polytope;
+}
+
 Polytope Polytope::around(const CollisionHull& hull, double beyond, const glm::dvec3& offset) {
     Polytope polytope;
     if (hull.points.empty()) return polytope;
@@ -36,15 +48,7 @@ Polytope Polytope::around(const CollisionHull& hull, double beyond, const glm::d
         low = glm::min(low, glm::dvec3(p));
         high = glm::max(high, glm::dvec3(p));
     }
-    low += offset - beyond;
-    high += offset + beyond;
-    const auto corner = [&](int k) {
-        return glm::dvec3(k & 1 ? high.x : low.x, k & 2 ? high.y : low.y, k & 4 ? high.z : low.z);
-    };
-    constexpr std::array<std::array<int, 4>, 6> sides{
-        {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}}};
-    for (const auto& [a, b, c, d] : sides)
-        polytope.add_face(std::array{corner(a), corner(b), corner(c), corner(d)}, 0.0);
+    polytope = of({low + (offset - beyond), high + (offset + beyond)});
     const HullFaces faces = hull.faces.count() > 0 ? hull.faces : hull_faces(hull.points);
     for (size_t f = 0; f < faces.count(); ++f) {
         const auto loop = faces.of(f);
@@ -141,6 +145,12 @@ double Polytope::volume() const {
             sum += glm::dot(corners[0] - origin, glm::cross(corners[k - 1] - origin, corners[k] - origin));
     }
     return sum / 6.0;
+}
+
+double Polytope::support(const glm::dvec3& direction) const {
+    double farthest = -std::numeric_limits<double>::infinity();
+    for (const glm::dvec3& p : corners_) farthest = std::max(farthest, glm::dot(direction, p));
+    return farthest;
 }
 
 fracture::Box Polytope::box() const {

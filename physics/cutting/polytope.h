@@ -24,6 +24,8 @@ class Polytope {
     // The intersection of the half-spaces behind the faces of a hull, moved outwards by `beyond`. `offset` moves all.
     [[nodiscard]] static Polytope around(const CollisionHull& hull, double beyond, const glm::dvec3& offset);
 
+    [[nodiscard]] static Polytope of(const fracture::Box& box);
+
     // Keeps what lies behind a plane.
     void cut(const HullPlane& plane);
     // Keeps what lies behind all planes.
@@ -35,6 +37,8 @@ class Polytope {
     [[nodiscard]] double volume() const;
     [[nodiscard]] glm::dvec3 centre() const; // a point inside
     [[nodiscard]] fracture::Box box() const;
+    // The largest coordinate along a direction; -infinity where empty.
+    [[nodiscard]] double support(const glm::dvec3& direction) const;
     [[nodiscard]] size_t face_count() const { return ends_.size(); }
     // The corners of a face, counter-clockwise seen from outside. Faces that meet name the same corners.
     [[nodiscard]] std::span<const glm::dvec3> face(size_t index) const {

@@ -1,8 +1,9 @@
 // The collision hulls of what remains of a solid after a blow, from the hulls that it had.
 //
-// A hull that no lost cell reaches stays as it is. Each other one is cut along the Voronoi cells of the sites: what
-// lies in the cell of a site that stays becomes a hull of its own. So hulls lie inside those before, and outside the
-// cells of the pieces that left; they overlap neither. Parts without any of the solid in them are dropped.
+// A hull that no lost cell reaches stays as it is. A plane that touches the lost cells splits the larger part off each
+// other hull, as one hull with the corners that it had. What lies before the plane is divided along the Voronoi cells of
+// the sites that stay; cells that a lost cell does not separate share a hull. So hulls lie inside those before, and
+// outside the cells of the pieces that left; they overlap neither. Parts without any of the solid in them are dropped.
 //
 // Metres; coordinates of the object. Pure function, equal input gives equal parts.
 #pragma once
@@ -20,8 +21,10 @@
 namespace brittle::physics {
 
 struct LostCells {
+    std::span<const glm::dvec3> sites{};
     std::span<const std::vector<HullPlane>> planes{}; // by site: what bounds its cell
     std::span<const uint8_t> lost{};                  // by site: 1 where the piece in its cell leaves the solid
+    std::span<const std::vector<HullPlane>> more{};   // bounds of other convex regions that leave the solid
 };
 
 struct FormerParts {

@@ -139,7 +139,7 @@ std::optional<FullHull> full_hull(const std::vector<glm::dvec3>& points) {
 
 // Cuts the hull of the points along the planes that pass through it. Returns points whose hull lies inside both; their
 // hull lacks the corner of three planes in its inside.
-std::vector<glm::dvec3> cut_hull(const std::vector<glm::dvec3>& points, std::span<const HullPlane> planes) {
+std::vector<glm::dvec3> cut_points(const std::vector<glm::dvec3>& points, std::span<const HullPlane> planes) {
     btConvexHullComputer computer;
     computer.compute(&points[0].x, static_cast<int>(sizeof(glm::dvec3)), static_cast<int>(points.size()), 0.0f, 0.0f);
     using Polygon = std::vector<glm::dvec3>;
@@ -463,7 +463,7 @@ CollisionHull collision_hull(std::span<const glm::dvec3> points, glm::dvec3 orig
     const Directions directions = directions_for(extents);
     std::vector<glm::dvec3> chosen = supporting_subset(local, directions, max_vertices);
     const std::vector<HullPlane> planes = cutting_planes(chosen, origin, settings.planes, 2.0 * longest);
-    if (!planes.empty()) chosen = cut_hull(chosen, planes);
+    if (!planes.empty()) chosen = cut_points(chosen, planes);
     if (chosen.size() < 4) return flat_hull(local, extents, max_vertices);
     const std::optional<FullHull> full = full_hull(supporting_subset(chosen, directions, max_vertices));
     if (!full || full->inradius <= longest * flat_ratio * 0.1) return flat_hull(local, extents, max_vertices);
@@ -480,6 +480,29 @@ CollisionHull collision_hull(std::span<const glm::dvec3> points, glm::dvec3 orig
         hull.points.push_back(glm::vec3(vertex));
     hull.faces = hull_faces(hull.points);
     return hull;
+}
+
+std::optional<CollisionHull> cut_hull(const CollisionHull& hull, const HullPlane& plane, const HullSettings& settings) {
+    const auto margin = static_cast<double>(hull.margin);
+    std::vector<glm::dvec3> points(hull.points.begin(), hull.points.end());
+    if (points.size() < 4) return std::nullopt;
+    points = cut_points(points, std::array{HullPlane{plane.normal, plane.distance - margin}});
+    const OrientedExtents extents = oriented_extents(points);
+    const double longest = std::max({extents.half.x, extents.half.y, extents.half.z});
+    const double thinnest = std::min({extents.half.x, extents.half.y, extents.half.z});
+    if (points.size() < 4 || thinnest <= longest * flat_ratio) return std::nullopt;
+    const size_t max_vertices = std::max<size_t>(settings.max_vertices, 8);
+    const std::optional<FullHull> full = full_hull(supporting_subset(points, directions_for(extents), max_vertices));
+    if (!full || full->inradius <= longest * flat_ratio * 0.1) return std::nullopt;
+    CollisionHull cut;
+    cut.margin = hull.margin;
+    for (const glm::dvec3& vertex : full->vertices) cut.points.push_back(glm::vec3(vertex));
+    cut.faces = hull_faces(cut.points);
+    cut.section = full->section;
+    const double grown =
+        1.0 + margin / full->inradius; // the margin's shell lies inside of a hull that is so much larger
+    for (glm::vec3& side : cut.section.sides) side *= static_cast<float>(grown * grown);
+    return cut;
 }
 
 std::vector<std::vector<HullPlane>> contact_planes(const fracture::Fragments& fragments) {

@@ -15,6 +15,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -104,6 +105,12 @@ struct CollisionHull {
 // matters.
 [[nodiscard]] CollisionHull collision_hull(std::span<const glm::dvec3> points, glm::dvec3 origin,
                                            const HullSettings& settings = {});
+
+// Returns what of a hull lies behind a plane, in the hull's coordinates and with its margin: hull + margin stays behind
+// the plane. Corners away from the plane stay where they are, so a hull that is cut many times does not shrink. Nothing
+// where no more than a flake is left.
+[[nodiscard]] std::optional<CollisionHull> cut_hull(const CollisionHull& hull, const HullPlane& plane,
+                                                    const HullSettings& settings = {});
 
 // Returns, per piece, the mean plane of each of its contacts. The hulls of two pieces with a contact, cut along these
 // planes, do not overlap. Those of flat cuts cut nothing off. A bond to a missing piece or without area gives no plane.

@@ -153,6 +153,104 @@ TEST_CASE("local blow: hulls of what remains stay inside the hulls before, out o
     }
 }
 
+TEST_CASE("local blow: forty blows all stay local, add few hulls, and none of these reaches into a piece that left") {
+    const fracture::TriangleMesh mesh = fracture::torus(160, 80);
+    struct Case {
+        bool one_place;
+        double roughness;
+    };
+    for (const Case& one : {Case{false, 0.0}, {true, 0.0}, {false, 0.3}}) {
+        CAPTURE(one.one_place);
+        CAPTURE(one.roughness);
+        SolidSettings own = settings();
+        own.rough.amount = one.roughness;
+        SolidPtr solid = *make_solid(mesh, own);
+        const double volume = solid->mass.volume;
+        double lost = 0.0;
+        std::vector<SolidPtr> left;
+        fracture::Random random(9);
+        size_t blows = 0;
+        for (uint64_t seed = 1; seed <= 40; ++seed) {
+            const double x = random.uniform() - 0.5, y = random.uniform() - 0.5, z = random.uniform() - 0.5;
+            const glm::dvec3 way = one.one_place ? glm::dvec3(1.0, 0.1, 0.2) : glm::dvec3(x, y, z);
+            const glm::dvec3 point = fracture::nearest_on(solid->clusters, 3.0 * glm::normalize(way));
+            const ImpactSites sites = sites_at(*solid, point, 0.12, seed);
+            const auto pieces = break_solid(*solid, sites.sites, sites.groups, own);
+            REQUIRE(pieces.has_value());
+            fracture::ClusterSet before;
+            solid->clusters.for_each([&](const fracture::ClusterPtr& cluster) { before.insert(cluster.get()); });
+            const SolidPtr rest =
+                *std::ranges::max_element(*pieces, {}, [](const SolidPtr& piece) { return piece->mass.volume; });
+            size_t kept = 0;
+            rest->clusters.for_each(
+                [&](const fracture::ClusterPtr& cluster) { kept += before.contains(cluster.get()) ? 1 : 0; });
+            CHECK(kept > before.size() / 2); // a cut of the whole mesh makes all clusters anew
+            blows += pieces->size() > 1 ? 1 : 0;
+            for (const SolidPtr& piece : *pieces)
+                if (piece != rest) {
+                    lost += piece->mass.volume;
+                    left.push_back(piece);
+                }
+            solid = rest;
+        }
+        CHECK(blows >= 35);
+        CHECK(solid->mass.volume + lost == doctest::Approx(volume).epsilon(1e-9));
+        CHECK(solid->parts.size() < 24 + 12 * blows);
+        // Hulls and margins, as planes from an independent hull of their points.
+        struct Convex {
+            std::vector<HullPlane> planes; // of the points alone
+            glm::dvec3 place;
+        };
+        std::vector<Convex> hulls;
+        for (const BodyPart& part : solid->parts) {
+            Convex& convex = hulls.emplace_back();
+            convex.place = solid->mass.centre_of_mass + glm::dvec3(part.offset);
+            const fracture::TriangleMesh full = hull_mesh(part.hull->points);
+            for (const fracture::Triangle& t : full.triangles) {
+                const glm::dvec3& a = full.positions[t.x];
+                const glm::dvec3 area = glm::cross(full.positions[t.y] - a, full.positions[t.z] - a);
+                if (glm::length(area) > 0.0)
+                    convex.planes.push_back({glm::normalize(area), glm::dot(glm::normalize(area), a)});
+            }
+        }
+        const auto holds = [](const Convex& convex, const glm::dvec3& p, double depth) {
+            return std::ranges::all_of(convex.planes, [&](const HullPlane& plane) {
+                return glm::dot(plane.normal, p - convex.place) <= plane.distance - depth;
+            });
+        };
+        // The corners of the pieces that left, and points between them.
+        int reached = 0;
+        const double depth = 5e-3; // half a margin: hulls that are cut again have corners where margins were round
+        for (const SolidPtr& piece : left)
+            for (const BodyPart& part : piece->parts) {
+                const glm::dvec3 place = piece->mass.centre_of_mass + glm::dvec3(part.offset);
+                glm::dvec3 middle(0.0);
+                for (const glm::vec3& p : part.hull->points)
+                    middle += glm::dvec3(p) / static_cast<double>(part.hull->points.size());
+                for (const glm::vec3& p : part.hull->points)
+                    for (const double share : {0.0, 0.5, 1.0})
+                        for (const Convex& convex : hulls)
+                            reached += holds(convex, place + middle + share * (glm::dvec3(p) - middle), depth) ? 1 : 0;
+            }
+        CHECK(reached == 0);
+        // The hulls hold most of the solid, and little else.
+        const fracture::InsideTest inside(solid->surface().mesh);
+        const fracture::Box box = fracture::bounds(solid->surface().mesh);
+        int solid_points = 0, held = 0, air = 0;
+        for (int k = 0; k < 8000; ++k) {
+            const double x = random.uniform(), y = random.uniform(), z = random.uniform();
+            const glm::dvec3 p = box.min + glm::dvec3(x, y, z) * box.size();
+            const bool in_hull = std::ranges::any_of(hulls, [&](const Convex& hull) { return holds(hull, p, -0.01); });
+            solid_points += inside(p) ? 1 : 0;
+            held += inside(p) && in_hull ? 1 : 0;
+            air += !inside(p) && in_hull ? 1 : 0;
+        }
+        MESSAGE(solid->parts.size(), " hulls, ", held, " of ", solid_points, " points held, ", air, " in air");
+        CHECK(held > 0.9 * solid_points);
+        CHECK(air < 0.25 * solid_points);
+    }
+}
+
 TEST_CASE("local blow: pieces of flat and rough blows, one after the other, do not push apart at birth") {
     const fracture::TriangleMesh thick = fracture::torus(160, 80), thin = fracture::torus(240, 60, 1.0, 0.15);
     struct Case {

@@ -29,6 +29,19 @@ TEST_CASE("polytope: no points give an empty one, which stays empty") {
     CHECK(none.volume() == 0.0);
 }
 
+TEST_CASE("polytope: that of a box has its volume, its box and its support") {
+    const fracture::Box box{{-1.0, 2.0, 0.5}, {2.0, 4.0, 1.0}};
+    const Polytope whole = Polytope::of(box);
+    CHECK(whole.face_count() == 6);
+    CHECK(whole.volume() == doctest::Approx(3.0));
+    CHECK(whole.box().min == box.min);
+    CHECK(whole.box().max == box.max);
+    CHECK(whole.support({1, 0, 0}) == 2.0);
+    CHECK(whole.support({0, -1, 0}) == -2.0);
+    CHECK(whole.support({1, 1, -2}) == doctest::Approx(5.0));
+    CHECK(std::isinf(Polytope().support({1, 0, 0})));
+}
+
 TEST_CASE("polytope: a box moved outwards and cut by planes has the volume that is left") {
     const CollisionHull hull = box_hull({0.5f, 1.0f, 1.5f});
     const glm::dvec3 at(3.0, -2.0, 1.0);

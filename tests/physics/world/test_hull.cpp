@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <span>
 #include <string>
 #include <tuple>
@@ -248,6 +249,47 @@ TEST_CASE("no corner of a piece reaches far outside its hull, below a floor on w
     CHECK(shares[shares.size() / 2] < 0.01);
     CHECK(shares[shares.size() * 19 / 20] < 0.02);
     CHECK(shares.back() < 0.05);
+}
+
+TEST_CASE("a hull that is cut stays behind the plane with its margin, and keeps its other corners bit for bit") {
+    const std::vector<glm::dvec3> ball = sphere_points(2000, 1.0);
+    CollisionHull hull = collision_hull(ball, glm::dvec3(0.0));
+    test::Random random(5);
+    for (int round = 0; round < 40; ++round) { // each a little deeper than the one before, from all sides
+        const glm::dvec3 normal = random.direction();
+        const double distance = 0.9 - 0.005 * round;
+        const std::optional<CollisionHull> cut = physics::cut_hull(hull, {normal, distance});
+        REQUIRE(cut.has_value());
+        CHECK(cut->margin == hull.margin);
+        CHECK(cut->points.size() <= 32);
+        CHECK(cut->points.size() >= 8);
+        CHECK(cut->faces.count() >= 4);
+        CHECK(cut->section.mean() > 0.0f);
+        size_t behind = 0, kept = 0;
+        for (const glm::vec3& p : hull.points)
+            if (glm::dot(normal, glm::dvec3(p)) < distance - static_cast<double>(hull.margin)) {
+                ++behind;
+                kept += std::ranges::find(cut->points, p) != cut->points.end() ? 1 : 0;
+            }
+        CHECK(kept >= std::min<size_t>(behind, 32) / 2);
+        for (const glm::vec3& p : cut->points) {
+            CHECK(glm::dot(normal, glm::dvec3(p)) + static_cast<double>(cut->margin) <= distance + 1e-6);
+            CHECK(glm::length(p) < 1.0f);
+        }
+        hull = *cut;
+    }
+    const fracture::TriangleMesh full = physics::hull_mesh(hull.points);
+    // The part of the ball behind forty planes at 0.9 to 0.7 of its radius holds the ball of 0.7.
+    CHECK(fracture::signed_volume(full.positions, full.triangles) > 0.85 * 4.18879 * 0.7 * 0.7 * 0.7);
+    // Of a cube, all of whose corners fit in, half remains.
+    const CollisionHull cube = collision_hull(fracture::cube(1.0).positions, glm::dvec3(0.0));
+    const std::optional<CollisionHull> half = physics::cut_hull(cube, {{0, 1, 0}, 0.1});
+    REQUIRE(half.has_value());
+    CHECK(half->points.size() == 8);
+    for (const glm::vec3& p : cube.points)
+        if (p.y < 0.0f) CHECK(std::ranges::find(half->points, p) != half->points.end());
+    CHECK_FALSE(physics::cut_hull(cube, {{0, 1, 0}, -5.0}).has_value());
+    CHECK_FALSE(physics::cut_hull({}, {{0, 1, 0}, 0.0}).has_value());
 }
 
 TEST_CASE("parallel hulls equal sequential ones for any number of threads") {
