@@ -9,8 +9,12 @@
 #include <thread>
 #include <vector>
 
+// ThreadSanitizer cannot follow the synchronisation of Debian's uninstrumented TBB.
+#if defined(BRITTLE_TBB) && !defined(__SANITIZE_THREAD__)
+#define BRITTLE_USES_TBB
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
+#endif
 
 namespace brittle::fracture {
 
@@ -19,8 +23,8 @@ namespace {
 constexpr uint32_t chunks_per_thread = 4;
 constexpr uint32_t max_threads = 256;
 
-#if defined(__SANITIZE_THREAD__)
-// Stands in for TBB under ThreadSanitizer, which cannot follow the synchronisation of Debian's uninstrumented TBB.
+#if !defined(BRITTLE_USES_TBB)
+// Threads of one loop, in place of TBB. Chunks are the same, so results are. After a failure no new chunk begins.
 template<class Body>
 void parallel(uint32_t threads, uint32_t count, const Body& body) {
     std::atomic<uint32_t> next = 0;
@@ -35,6 +39,7 @@ void parallel(uint32_t threads, uint32_t count, const Body& body) {
                 } catch (...) {
                     const std::lock_guard lock(failing);
                     failure = std::current_exception();
+                    next = count;
                 }
             });
         }
@@ -53,8 +58,12 @@ void WorkLog::clear() {
 }
 
 struct Threads::Arena {
+#if defined(BRITTLE_USES_TBB)
     explicit Arena(uint32_t threads) : arena(static_cast<int>(threads)) {}
     tbb::task_arena arena;
+#else
+    explicit Arena(uint32_t) {} // threads are made for each loop
+#endif
 };
 
 struct Threads::Question {
@@ -101,8 +110,8 @@ void Threads::each_chunk(uint32_t count, const Body& body) {
         for (uint32_t k = 0; k < count; ++k) body(k, 0u);
         return;
     }
-#if defined(__SANITIZE_THREAD__)
-    parallel(count_, count, body);
+#if !defined(BRITTLE_USES_TBB)
+    parallel(std::min(count_, count), count, body);
 #else
     arena_->arena.execute([&] {
         const auto chunk = [&](uint32_t k) {

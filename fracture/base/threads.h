@@ -1,4 +1,5 @@
-// Parallel loops over index ranges, split into chunks for the threads of one TBB arena.
+// Parallel loops over index ranges, split into chunks for the threads of one TBB arena; without
+// BRITTLE_TBB, for std::thread.
 //
 // The number of chunks depends on the number of threads, so no result may depend on chunk boundaries: each phase writes
 // to places that follow from the item index alone (prefix sums over chunks, in order). Only threads.cpp includes TBB.

@@ -27,7 +27,11 @@ Result<std::span<const std::byte>> Companions::read(const std::string& name) {
         return Error{Status::malformed_file, quoted(std::string_view(name)) + " is not a file below its own folder"};
     const auto known = files_.find(file);
     if (known != files_.end()) return std::span<const std::byte>(known->second);
-    Result<std::vector<std::byte>> bytes = read_file(folder_ / file);
+    if (!folder_)
+        return Error{Status::file_not_found, quoted(std::string_view(name))
+                                                 + " lies beside a mesh file, and this mesh "
+                                                   "is read from memory: use a .glb"};
+    Result<std::vector<std::byte>> bytes = read_file(*folder_ / file);
     if (!bytes) return bytes.error();
     size_ += bytes->size();
     return std::span<const std::byte>(files_.emplace(file, std::move(*bytes)).first->second);

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -19,8 +20,9 @@ namespace brittle::fracture {
 // Each file is read once, however often the mesh refers to it, so a small mesh file cannot take up much memory.
 class Companions {
   public:
+    // The folder; nothing for a mesh in memory, which has no files beside it.
     // geometry_only: the caller needs geometry only, so materials and images are not read.
-    explicit Companions(std::filesystem::path folder, bool geometry_only = false)
+    explicit Companions(std::optional<std::filesystem::path> folder, bool geometry_only = false)
         : folder_(std::move(folder)), geometry_only_(geometry_only) {}
 
     [[nodiscard]] bool wants_attributes() const { return !geometry_only_; }
@@ -32,7 +34,7 @@ class Companions {
     [[nodiscard]] uint64_t size() const { return size_; }
 
   private:
-    std::filesystem::path folder_;
+    std::optional<std::filesystem::path> folder_;
     bool geometry_only_;
     uint64_t size_ = 0;
     std::map<std::filesystem::path, std::vector<std::byte>> files_;

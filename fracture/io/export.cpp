@@ -4,6 +4,7 @@
 #include <cctype>
 #include <cmath>
 #include <cstdio>
+#include <functional>
 #include <numeric>
 
 #include "fracture/io/atomic_file.h"
@@ -72,31 +73,29 @@ Result<void> check_volumes(const Fragments& fragments) {
     return {};
 }
 
-// Writes the files of a job under temporary names.
-Result<void> stage_job(const std::filesystem::path& file, Writer writer, const ExportJob& job,
-                       std::vector<StagedFile>& staged, Files& written) {
+// Receives the content of each file under its path.
+using Sink = std::function<Result<void>(const std::filesystem::path&, std::vector<std::byte>)>;
+
+Result<void> make_files(const std::filesystem::path& file, Writer writer, const ExportJob& job, const Sink& sink) {
     Result<std::vector<OutputFile>> outputs = writer(job);
     if (!outputs) return Error{outputs.error().status, file.string() + ": " + outputs.error().message};
-    for (const OutputFile& output : *outputs) {
+    for (OutputFile& output : *outputs) {
         const std::filesystem::path path =
             output.suffix.empty() ? file : file.parent_path() / (file.stem().string() + output.suffix);
-        Result<StagedFile> one = StagedFile::write(path, output.bytes);
-        if (!one) return one.error();
-        staged.push_back(*std::move(one));
+        if (Result<void> done = sink(path, std::move(output.bytes)); !done) return done.error();
     }
-    written.push_back(file);
     return {};
 }
 
-Result<Files> write_pieces(const std::filesystem::path& file, const Fragments& fragments,
-                           const Certificate& certificate, const ExportOptions& options) {
+// Makes all files of an export. Returns those to open.
+Result<Files> make_all(const std::filesystem::path& file, const Fragments& fragments, const Certificate& certificate,
+                       const ExportOptions& options, const Sink& sink) {
     const Writer writer = writer_of(file);
     if (!writer) return unsupported(file);
     if (const Result<void> valid = check_lists(fragments, options); !valid) return valid.error();
     std::vector<uint32_t> pieces(fragments.pieces.size());
     std::iota(pieces.begin(), pieces.end(), 0u);
-    Files written;
-    std::vector<StagedFile> staged; // so that a full disk leaves none of several files behind
+    Files made;
     std::optional<TriangleTree> outside;
     if (options.rough && options.source) {
         std::vector<uint32_t> all(options.source->mesh.triangles.size());
@@ -106,7 +105,8 @@ Result<Files> write_pieces(const std::filesystem::path& file, const Fragments& f
     const TriangleTree* const tree = outside ? &*outside : nullptr;
     if (!options.per_piece) {
         const ExportJob job{fragments, certificate, options, pieces, file.stem().string(), tree};
-        if (Result<void> done = stage_job(file, writer, job, staged, written); !done) return done.error();
+        if (Result<void> done = make_files(file, writer, job, sink); !done) return done.error();
+        made.push_back(file);
     }
     for (size_t k = 0; options.per_piece && k < pieces.size(); ++k) {
         char number[16];
@@ -115,11 +115,58 @@ Result<Files> write_pieces(const std::filesystem::path& file, const Fragments& f
             file.parent_path() / (file.stem().string() + number + file.extension().string());
         const ExportJob job{fragments,           certificate, options, std::span(pieces).subspan(k, 1),
                             one.stem().string(), tree};
-        if (Result<void> done = stage_job(one, writer, job, staged, written); !done) return done.error();
+        if (Result<void> done = make_files(one, writer, job, sink); !done) return done.error();
+        made.push_back(one);
     }
+    return made;
+}
+
+Result<Files> write_pieces(const std::filesystem::path& file, const Fragments& fragments,
+                           const Certificate& certificate, const ExportOptions& options) {
+    std::vector<StagedFile> staged; // so that a full disk leaves none of several files behind
+    const Result<Files> written = make_all(file, fragments, certificate, options,
+                                           [&](const std::filesystem::path& path, std::vector<std::byte> bytes) {
+                                               Result<StagedFile> one = StagedFile::write(path, bytes);
+                                               if (!one) return Result<void>(one.error());
+                                               staged.push_back(*std::move(one));
+                                               return Result<void>();
+                                           });
+    if (!written) return written.error();
     for (StagedFile& one : staged)
         if (Result<void> done = one.commit(); !done) return done.error();
-    return written;
+    return *written;
+}
+
+Result<std::vector<ExportedFile>> keep_pieces(const std::string& file, const Fragments& fragments,
+                                              const Certificate& certificate, const ExportOptions& options) {
+    std::vector<ExportedFile> all;
+    const Result<Files> first = make_all(file, fragments, certificate, options,
+                                         [&](const std::filesystem::path& path, std::vector<std::byte> bytes) {
+                                             all.push_back({path.string(), std::move(bytes)});
+                                             return Result<void>();
+                                         });
+    if (!first) return first.error();
+    std::stable_partition(all.begin(), all.end(), [&](const ExportedFile& one) {
+        return std::find(first->begin(), first->end(), std::filesystem::path(one.name)) != first->end();
+    });
+    return all;
+}
+
+// A model as one piece without interior.
+Fragments whole_of(const Model& model) {
+    Fragments whole;
+    whole.positions = model.mesh.positions;
+    whole.triangles = model.mesh.triangles;
+    whole.vertex_point.resize(whole.positions.size());
+    std::iota(whole.vertex_point.begin(), whole.vertex_point.end(), 0u);
+    whole.triangle_source.resize(whole.triangles.size());
+    std::iota(whole.triangle_source.begin(), whole.triangle_source.end(), 0u);
+    Piece piece;
+    piece.vertices.end = static_cast<uint32_t>(whole.positions.size());
+    piece.triangles.end = piece.exterior_triangles = static_cast<uint32_t>(whole.triangles.size());
+    piece.mass = mass_properties(whole.positions, whole.triangles);
+    whole.pieces.push_back(piece);
+    return whole;
 }
 
 } // namespace
@@ -169,20 +216,20 @@ Result<Files> export_pieces(const std::filesystem::path& file, const Fragments& 
     return write_pieces(file, fragments, certificate, options);
 }
 
+Result<std::vector<ExportedFile>> export_pieces_to_memory(const std::string& name, const Fragments& fragments,
+                                                          const Certificate& certificate,
+                                                          const ExportOptions& options) {
+    if (const Result<void> positive = check_volumes(fragments); !positive) return positive.error();
+    return keep_pieces(name, fragments, certificate, options);
+}
+
 Result<Files> export_model(const std::filesystem::path& file, const Model& model, const std::string& name) {
-    Fragments whole;
-    whole.positions = model.mesh.positions;
-    whole.triangles = model.mesh.triangles;
-    whole.vertex_point.resize(whole.positions.size());
-    std::iota(whole.vertex_point.begin(), whole.vertex_point.end(), 0u);
-    whole.triangle_source.resize(whole.triangles.size());
-    std::iota(whole.triangle_source.begin(), whole.triangle_source.end(), 0u);
-    Piece piece;
-    piece.vertices.end = static_cast<uint32_t>(whole.positions.size());
-    piece.triangles.end = piece.exterior_triangles = static_cast<uint32_t>(whole.triangles.size());
-    piece.mass = mass_properties(whole.positions, whole.triangles);
-    whole.pieces.push_back(piece);
-    return write_pieces(file, whole, {}, {.name = name, .source = &model});
+    return write_pieces(file, whole_of(model), {}, {.name = name, .source = &model});
+}
+
+Result<std::vector<ExportedFile>> export_model_to_memory(const std::string& file, const Model& model,
+                                                         const std::string& name) {
+    return keep_pieces(file, whole_of(model), {}, {.name = name, .source = &model});
 }
 
 } // namespace brittle::fracture

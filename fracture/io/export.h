@@ -22,6 +22,7 @@
 // is written last.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <optional>
 #include <span>
@@ -87,9 +88,26 @@ struct ExportOptions {
                                                                        const Certificate& certificate,
                                                                        const ExportOptions& options = {});
 
+// A file in memory.
+struct ExportedFile {
+    std::string name;
+    std::vector<std::byte> bytes;
+};
+
+// Returns the files that export_pieces() would write, without folder; `name` has the extension. The file to open is the
+// first one, with per_piece the first of each piece. Errors as above.
+[[nodiscard]] Result<std::vector<ExportedFile>> export_pieces_to_memory(const std::string& name,
+                                                                        const Fragments& fragments,
+                                                                        const Certificate& certificate,
+                                                                        const ExportOptions& options = {});
+
 // Exports a whole model, after a repair for example: one piece without interior.
 [[nodiscard]] Result<std::vector<std::filesystem::path>>
 export_model(const std::filesystem::path& file, const Model& model, const std::string& name = "mesh");
+
+// Returns the files of a model, as export_pieces_to_memory() does.
+[[nodiscard]] Result<std::vector<ExportedFile>> export_model_to_memory(const std::string& file, const Model& model,
+                                                                       const std::string& name = "mesh");
 
 // The extensions that can be exported, in lower case with the dot.
 [[nodiscard]] const std::vector<std::string>& exportable_extensions();

@@ -13,18 +13,22 @@
 namespace brittle::fracture {
 namespace {
 
-std::string lower_case_extension(const std::filesystem::path& file) {
-    std::string extension = file.extension().string();
+std::string lower_case(std::string extension) {
     std::transform(extension.begin(), extension.end(), extension.begin(),
                    [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
     return extension;
 }
 
-Error unsupported(const std::filesystem::path& file, const std::string& extension) {
+bool is_importable(const std::string& extension) {
+    const std::vector<std::string>& known = importable_extensions();
+    return std::find(known.begin(), known.end(), extension) != known.end();
+}
+
+Error unsupported(const std::string& name, const std::string& extension) {
     std::string readable;
     for (const std::string& known : importable_extensions()) readable += (readable.empty() ? "" : ", ") + known;
     const std::string what = extension.empty() ? "the file name has no extension" : extension + " files are not read";
-    return {Status::unsupported_format, file.string() + ": " + what + "; convert the mesh to one of " + readable};
+    return {Status::unsupported_format, name + ": " + what + "; convert the mesh to one of " + readable};
 }
 
 // Returns the text of a file in UTF-8: that of UTF-16 with a byte order mark is converted, `converted` holds it then.
@@ -84,19 +88,12 @@ Result<void> check_finite(const TriangleMesh& mesh) {
     return {};
 }
 
-Result<Model> import_and_weld(const std::filesystem::path& file, bool with_attributes) {
-    const std::string extension = lower_case_extension(file);
-    const std::vector<std::string>& known = importable_extensions();
-    if (std::find(known.begin(), known.end(), extension) == known.end()) return unsupported(file, extension);
-
-    const Result<std::vector<std::byte>> bytes = read_file(file);
-    if (!bytes) return bytes.error();
-    Companions companions(file.parent_path(), !with_attributes);
-    Result<Model> model = read_model(extension, *bytes, companions);
-    if (!model) return Error{model.error().status, file.string() + ": " + model.error().message};
-    if (const Result<void> finite = check_finite(model->mesh); !finite) {
-        return Error{finite.error().status, file.string() + ": " + finite.error().message};
-    }
+Result<Model> read_and_weld(const std::string& name, const std::string& extension, std::span<const std::byte> bytes,
+                            Companions& companions) {
+    Result<Model> model = read_model(extension, bytes, companions);
+    if (!model) return Error{model.error().status, name + ": " + model.error().message};
+    if (const Result<void> finite = check_finite(model->mesh); !finite)
+        return Error{finite.error().status, name + ": " + finite.error().message};
     std::vector<uint32_t> kept;
     TriangleMesh welded = weld_surface(model->mesh, model->points, kept);
     model->points.clear();
@@ -105,16 +102,25 @@ Result<Model> import_and_weld(const std::filesystem::path& file, bool with_attri
                                      ? "no triangles in the file; export the mesh with its faces"
                                      : "all triangles in the file have two corners at the same place; export it in a "
                                        "larger unit or with more digits";
-        return Error{Status::empty_mesh, file.string() + ": " + what};
+        return Error{Status::empty_mesh, name + ": " + what};
     }
     keep_triangles(*model, std::move(welded), kept);
     return model;
 }
 
+Result<Model> import_file(const std::filesystem::path& file, bool with_attributes) {
+    const std::string extension = lower_case(file.extension().string());
+    if (!is_importable(extension)) return unsupported(file.string(), extension);
+    const Result<std::vector<std::byte>> bytes = read_file(file);
+    if (!bytes) return bytes.error();
+    Companions companions(file.parent_path(), !with_attributes);
+    return read_and_weld(file.string(), extension, *bytes, companions);
+}
+
 // The readers do not throw, but allocation and the JSON library do when memory runs out.
 Result<Model> import(const std::filesystem::path& file, bool with_attributes) {
     try {
-        return import_and_weld(file, with_attributes);
+        return import_file(file, with_attributes);
     } catch (const std::exception& exception) {
         return Error{Status::malformed_file, file.string() + ": cannot be read: " + exception.what()};
     }
@@ -145,6 +151,17 @@ Result<TriangleMesh> import_mesh(const std::filesystem::path& file) {
 
 Result<Model> import_model(const std::filesystem::path& file) {
     return import(file, true);
+}
+
+Result<Model> import_model(std::span<const std::byte> bytes, std::string_view extension, std::string_view name) {
+    try {
+        const std::string kind = lower_case(std::string(extension));
+        if (!is_importable(kind)) return unsupported(std::string(name), kind);
+        Companions none{std::nullopt};
+        return read_and_weld(std::string(name), kind, bytes, none);
+    } catch (const std::exception& exception) {
+        return Error{Status::malformed_file, std::string(name) + ": cannot be read: " + exception.what()};
+    }
 }
 
 Result<Image> read_image(const std::filesystem::path& file) {

@@ -10,8 +10,11 @@
 // docs/files.md lists the attributes that a model keeps of each format. Colours of OBJ, PLY and OFF are sRGB.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "fracture/base/error.h"
@@ -31,6 +34,12 @@ namespace brittle::fracture {
 // Imports the mesh with its materials, images and corner attributes. A fault in these gives a note, not an error. Other
 // files (materials, images, buffers) are opened only in the folder of the file and below.
 [[nodiscard]] Result<Model> import_model(const std::filesystem::path& file);
+
+// Imports the bytes of a mesh file. `extension` names the format, for example ".glb". No other file is opened: materials,
+// images and buffers that lie beside the file give notes, or malformed_file where the geometry is in them. Errors as
+// above; messages begin with `name`.
+[[nodiscard]] Result<Model> import_model(std::span<const std::byte> bytes, std::string_view extension,
+                                         std::string_view name = "mesh in memory");
 
 // Reads an image for a material: PNG, JPEG, WebP or KTX2, recognised by its first bytes. Errors as above.
 [[nodiscard]] Result<Image> read_image(const std::filesystem::path& file);
