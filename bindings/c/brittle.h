@@ -212,11 +212,11 @@ typedef struct brittle_pattern {
     double grading;     /* spread of the sizes of cells, 0 to 1 */
     brittle_array line; /* curve: at least two points, k x 3, in the coordinates of focus; without rows: the default */
     uint32_t cells_per_piece; /* 1 to 1000 */
-    uint32_t inside;          /* 1: only sites inside the solid */
+    uint32_t inside;          /* 1, the default: only sites inside the solid; 0: anywhere in its box */
 } brittle_pattern;
 BRITTLE_API void brittle_pattern_init(brittle_pattern* pattern, size_t struct_size);
 
-/* Makes the sites of a pattern for a mesh; `pattern` NULL: 20 uniform sites. Errors: invalid_setting, with the field,
+/* Makes the sites of a pattern for a mesh; `pattern` NULL: 20 uniform sites inside the solid. Errors: invalid_setting, with the field,
  * its value and its range; invalid_argument for an unknown kind. */
 BRITTLE_API brittle_status brittle_sites_pattern(const brittle_pattern* pattern, const brittle_mesh* mesh,
                                                  brittle_sites** out, brittle_error* error);

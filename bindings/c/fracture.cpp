@@ -28,7 +28,7 @@ brittle_pattern pattern_defaults() {
     pattern.slenderness = d.slenderness;
     pattern.grading = d.grading;
     pattern.cells_per_piece = d.cells_per_piece;
-    pattern.inside = d.inside;
+    pattern.inside = 1; // as the command line
     return pattern;
 }
 

@@ -16,7 +16,7 @@ using namespace brittle;
 extern "C" uint64_t core_hash(const char* path, uint32_t count, uint64_t seed, double roughness) {
     const fracture::Result<fracture::TriangleMesh> mesh = fracture::import_mesh(path);
     if (!mesh) return 0;
-    const auto sites = fracture::make_sites({.count = count, .seed = seed}, *mesh);
+    const auto sites = fracture::make_sites({.count = count, .seed = seed, .inside = true}, *mesh);
     if (!sites) return 0;
     const auto pieces = fracture::fracture(*mesh, sites->sites, {.rough = {.amount = roughness}});
     return pieces ? fracture::hash(*pieces) : 0;
