@@ -330,10 +330,10 @@ TriangleMesh tower() {
 }
 
 std::span<const std::string_view> shape_names() {
-    static constexpr std::array<std::string_view, 18> names = {
-        "cube",          "lattice_cube", "icosphere",  "torus",         "torus_knot", "hollow_sphere",
-        "menger_sponge", "pane",         "wall",       "arch",          "tower",      "animal",
-        "statue",        "stone_arch",   "card_house", "domino_spiral", "pyramid",    "stack"};
+    static constexpr std::array<std::string_view, 23> names = {
+        "cube",  "lattice_cube", "icosphere",  "torus",      "torus_knot",    "hollow_sphere", "menger_sponge", "pane",
+        "wall",  "arch",         "tower",      "animal",     "statue",        "vase",          "plate",         "table",
+        "basin", "stairs",       "stone_arch", "card_house", "domino_spiral", "pyramid",       "stack"};
     return names;
 }
 
@@ -351,6 +351,11 @@ std::optional<TriangleMesh> shape_of_size(std::string_view name, std::string_vie
     if (name == "menger_sponge") return menger_sponge(n);
     if (name == "animal") return four_legged_animal(n);
     if (name == "statue") return statue(n);
+    if (name == "vase") return vase(n);
+    if (name == "plate") return plate(n);
+    if (name == "table") return round_table(n);
+    if (name == "basin") return basin(n);
+    if (name == "stairs") return stairs(n);
     if (name == "stone_arch") return stone_arch(0.01 * std::clamp(n, 1u, 100u));
     if (name == "card_house") return card_house(n);
     if (name == "domino_spiral") return domino_spiral(n);
@@ -377,6 +382,11 @@ std::optional<TriangleMesh> shape(std::string_view name) {
     if (name == "tower") return tower();
     if (name == "animal") return four_legged_animal();
     if (name == "statue") return statue();
+    if (name == "vase") return vase();
+    if (name == "plate") return plate();
+    if (name == "table") return round_table();
+    if (name == "basin") return basin();
+    if (name == "stairs") return stairs();
     if (name == "stone_arch") return stone_arch();
     if (name == "card_house") return card_house();
     if (name == "domino_spiral") return domino_spiral();

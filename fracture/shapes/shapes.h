@@ -13,6 +13,9 @@
 #include <span>
 #include <string_view>
 
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+
 #include "fracture/mesh/mesh.h"
 
 namespace brittle::fracture {
@@ -52,6 +55,21 @@ namespace brittle::fracture {
 // stands on y = 0 and looks along +Z. `resolution` is the count of lattice cells along its height.
 [[nodiscard]] TriangleMesh statue(uint32_t resolution = 64);
 
+// A closed solid of revolution around axis Y. The profile lists radius and height, m, of its rings, with the solid on
+// their left; flat discs close it at the first and the last ring. Radii are positive. A profile that comes back inside
+// itself makes a vessel.
+[[nodiscard]] TriangleMesh lathe(std::span<const glm::dvec2> profile, uint32_t sides);
+// Household things that stand on y = 0: a vase, 0.4 m high, 0.26 m in diameter; a plate, 0.26 m in diameter; a table on
+// one leg, 0.75 m high, 0.92 m in diameter; the basin of a fountain with a bowl on a column, 1.1 m high, 2 m in
+// diameter.
+[[nodiscard]] TriangleMesh vase(uint32_t sides = 40);
+[[nodiscard]] TriangleMesh plate(uint32_t sides = 40);
+[[nodiscard]] TriangleMesh round_table(uint32_t sides = 40);
+[[nodiscard]] TriangleMesh basin(uint32_t sides = 48);
+// A solid flight of stairs, 1.2 m wide, that stands on y = 0 and rises towards -Z: each step is 0.3 m deep and 0.17 m
+// high.
+[[nodiscard]] TriangleMesh stairs(uint32_t steps = 12);
+
 // The following shapes are several solids that stand on each other, y = 0 being the ground. A fracture with one site
 // cuts nothing and makes each solid a piece. `joint`, m, is the gap between two solids: meshes that touch are not
 // valid.
@@ -72,13 +90,13 @@ namespace brittle::fracture {
 [[nodiscard]] TriangleMesh stack(uint32_t count = 50, double edge = 1.0, double joint = 1e-4);
 
 // Returns the names that shape() accepts: cube, lattice_cube, icosphere, torus, torus_knot, hollow_sphere,
-// menger_sponge, pane (2 x 1.4 x 0.03 m), wall (2 x 1.2 x 0.2 m), arch, tower, animal, statue, stone_arch, card_house,
-// domino_spiral, pyramid, stack.
+// menger_sponge, pane (2 x 1.4 x 0.03 m), wall (2 x 1.2 x 0.2 m), arch, tower, animal, statue, vase, plate, table, basin,
+// stairs, stone_arch, card_house, domino_spiral, pyramid, stack.
 [[nodiscard]] std::span<const std::string_view> shape_names();
 // Returns the named shape with default arguments (lattice_cube: n = 16), or nothing for an unknown name. NAME:N sets
 // the resolution: lattice_cube:N, icosphere:SUBDIVISIONS, torus:SEGMENTS around (half as many across),
 // torus_knot:SEGMENTS (a sixteenth across), menger_sponge:LEVEL, animal:RESOLUTION, statue:RESOLUTION,
-// stone_arch:THICKNESS (hundredths of its radius), card_house:LEVELS, domino_spiral:COUNT, pyramid:ROWS, stack:COUNT.
+// vase, plate, table and basin:SIDES, stairs:STEPS, stone_arch:THICKNESS (hundredths of its radius), card_house:LEVELS, domino_spiral:COUNT, pyramid:ROWS, stack:COUNT.
 [[nodiscard]] std::optional<TriangleMesh> shape(std::string_view name);
 
 } // namespace brittle::fracture

@@ -55,6 +55,28 @@ TEST_CASE("counts out of range are clamped and still give solids") {
     check_solid(four_legged_animal(0), 1, 2);
 }
 
+TEST_CASE("household shapes are solids that stand on the ground, with the volumes of their frusta and steps") {
+    CHECK(lathe({}, 8).triangles.empty());
+    const std::vector<glm::dvec2> profile{{1.0, 0.0}, {2.0, 1.0}, {0.5, 3.0}};
+    for (const uint32_t sides : {0u, 3u, 8u, 400u}) {
+        const double n = std::max(sides, 3u), share = n * std::sin(2.0 * pi / n) / 2.0; // area of an n-gon of radius 1
+        const double frusta = 1.0 * (1.0 + 2.0 + 4.0) / 3.0 + 2.0 * (4.0 + 1.0 + 0.25) / 3.0;
+        check_solid(lathe(profile, sides), 1, 2);
+        CHECK(volume(lathe(profile, sides)) == doctest::Approx(share * frusta).epsilon(1e-12));
+    }
+    for (const TriangleMesh& mesh : {vase(), plate(), round_table(), basin(), vase(0), plate(7), stairs(1)}) {
+        check_solid(mesh, 1, 2);
+        CHECK(bounds(mesh).min.y == 0.0);
+        CHECK(volume(mesh) > 0.0);
+        CHECK_FALSE(find_intersections(mesh, 10'000'000).first);
+    }
+    for (const uint32_t steps : {0u, 1u, 2u, 12u, 40u}) {
+        const double n = std::max(steps, 1u);
+        check_solid(stairs(steps), 1, 2);
+        CHECK(volume(stairs(steps)) == doctest::Approx(1.2 * 0.3 * 0.17 * n * (n + 1.0) / 2.0).epsilon(1e-12));
+    }
+}
+
 TEST_CASE("cuboids and the arch have their volumes") {
     CHECK(volume(cuboid({2.0, 1.4, 0.03})) == doctest::Approx(2.0 * 1.4 * 0.03).epsilon(1e-14));
     for (const uint32_t segments : {2u, 7u, 24u, 100u}) {
