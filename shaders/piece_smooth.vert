@@ -13,6 +13,6 @@ void main() {
     DrawData draw = draws[gl_InstanceIndex];
     from_eye = transform_vertex(draw, position, frame.eye.xyz);
     albedo = albedo_of(draw);
-    smooth_normal = draw.material == material_exterior ? rotate(poses[draw.body].rotation, normal) : vec3(0.0);
+    smooth_normal = draw.material % 2 == material_exterior ? rotate(poses[draw.body].rotation, normal) : vec3(0.0);
     gl_Position = frame.clip_from_eye * vec4(from_eye, 1.0);
 }

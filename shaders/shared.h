@@ -40,9 +40,11 @@ const uint view_camera = 0;
 const uint view_light = 1;
 const uint view_count = 2;
 
+// The material of a draw range is 2 * surface + side.
 const uint material_exterior = 0;
 const uint material_interior = 1;
-const uint material_count = 2;
+const uint max_surfaces = 16; // of a scene
+const uint material_count = 2 * max_surfaces;
 
 // "Eye space" here has the eye as its origin and the axes of world space, so that near geometry keeps its precision far
 // from the world's origin.
@@ -89,7 +91,7 @@ struct DrawCommand { // VkDrawIndexedIndirectCommand
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(FrameData) == 4 * 64 + 13 * 16);
+static_assert(sizeof(FrameData) == 4 * 64 + (11 + material_count) * 16);
 static_assert(sizeof(Pose) == 32);
 static_assert(sizeof(DrawData) == 48);
 static_assert(sizeof(DrawCommand) == 20);

@@ -229,22 +229,31 @@ shared::FrameData frame_data(const Scene& scene, const View& view) {
     const float height = std::max(scene.bounds.size().y, 1e-5f);
     const float pixels_a_metre = 0.5f * static_cast<float>(view.size.y) * std::abs(camera.projection[1][1]);
     const glm::mat4 clip_from_eye = camera.projection * glm::mat4(glm::mat3(camera.view));
-    return {.clip_from_eye = clip_from_eye,
-            .eye_from_clip = glm::inverse(clip_from_eye),
-            .shadow_from_eye = texture_from_clip * shadow.clip_from_world * eye_to_world,
-            .shadow_clip_from_world = shadow.clip_from_world,
-            .eye = {eye, 1.0f / static_cast<float>(view.size.y)},
-            .to_light = {to_light, normal_offset_texels * shadow.texel},
-            .sun = {look.sun, bias_texels * shadow.texel / shadow.depth},
-            .sky = {look.sky, ground_darkens * height},
-            .bounce = {look.bounce, 1.0f / static_cast<float>(view.shadow_size)},
-            .materials = {{look.exterior, look.tint}, {look.interior, 0.45f * look.tint}},
-            .sphere = {look.sphere, 0.0f},
-            .ground = {look.ground, scene.ground_height},
-            .ground_disc = {scene.camera.target.x, scene.camera.target.z, fade_begin * reach, fade_end * reach},
-            .background_top = {look.background_top, look.exposure},
-            .background_bottom = {look.background_bottom, 0.0f},
-            .occlusion = {occlusion_reach * height, pixels_a_metre, occlusion_bias, occlusion_strength}};
+    shared::FrameData data{
+        .clip_from_eye = clip_from_eye,
+        .eye_from_clip = glm::inverse(clip_from_eye),
+        .shadow_from_eye = texture_from_clip * shadow.clip_from_world * eye_to_world,
+        .shadow_clip_from_world = shadow.clip_from_world,
+        .eye = {eye, 1.0f / static_cast<float>(view.size.y)},
+        .to_light = {to_light, normal_offset_texels * shadow.texel},
+        .sun = {look.sun, bias_texels * shadow.texel / shadow.depth},
+        .sky = {look.sky, ground_darkens * height},
+        .bounce = {look.bounce, 1.0f / static_cast<float>(view.shadow_size)},
+        .materials = {},
+        .sphere = {look.sphere, 0.0f},
+        .ground = {look.ground, scene.ground_height},
+        .ground_disc = {scene.camera.target.x, scene.camera.target.z, fade_begin * reach, fade_end * reach},
+        .background_top = {look.background_top, look.exposure},
+        .background_bottom = {look.background_bottom, 0.0f},
+        .occlusion = {occlusion_reach * height, pixels_a_metre, occlusion_bias, occlusion_strength}};
+    for (uint32_t surface = 0; surface < shared::max_surfaces; ++surface) {
+        const bool own = surface > 0 && surface <= scene.surfaces.size();
+        const SurfaceLook from =
+            own ? scene.surfaces[surface - 1] : SurfaceLook{look.exterior, look.interior, look.tint};
+        data.materials[2 * surface + shared::material_exterior] = {from.exterior, from.tint};
+        data.materials[2 * surface + shared::material_interior] = {from.interior, 0.45f * from.tint};
+    }
+    return data;
 }
 
 void Frame::write_colour(PassBuilder& pass, Access access, bool last) {

@@ -268,10 +268,11 @@ void PieceArena::write_piece(const Piece& piece, const DrawLists& lists, DrawCur
     const uint32_t tint = glm::packUnorm4x8(glm::vec4(attachment.tint, 0.0f)) | piece.opacity << 24;
     const uint32_t id = attachment.id == 0 ? piece.handle.number : attachment.id;
     const glm::vec4 offset(attachment.offset, 0.0f);
+    const uint32_t surface = std::min(attachment.surface, shared::max_surfaces - 1);
     const auto add = [&](uint32_t indices, uint32_t first, uint32_t material) {
         if (indices == 0) return;
         lists.commands[next] = {indices, 1, first, static_cast<int32_t>(piece.vertex), next};
-        lists.data[next] = {attachment.body, material, tint, id, piece.batch.sphere + offset, offset};
+        lists.data[next] = {attachment.body, 2 * surface + material, tint, id, piece.batch.sphere + offset, offset};
         ++next;
     };
     add(piece.batch.exterior_indices, piece.index, shared::material_exterior);

@@ -34,6 +34,7 @@ struct PieceAttachment {
     glm::vec3 tint{1.0f};   // as PieceMesh::tint
     glm::vec3 offset{0.0f}; // m, from the body's centre of mass to the origin of the positions, in the body's frame
     uint32_t id = 0;        // what Renderer::render_ids() shows; 0: the number of the handle
+    uint32_t surface = 0;   // 0: the look of the scene; k: Scene::surfaces[k - 1], as far as there are so many
 };
 
 // The handle of an uploaded piece, unique in a renderer's life. Handles are ordered by the time of adding. 0 is no
@@ -73,6 +74,13 @@ struct Sphere {
     float radius = 0.01f;
 };
 static_assert(sizeof(Sphere) == 16, "the layout of the instance attributes");
+
+// The materials of some pieces, in place of those of the look.
+struct SurfaceLook {
+    glm::vec3 exterior{0.66f, 0.615f, 0.54f};
+    glm::vec3 interior{0.40f, 0.125f, 0.06f};
+    float tint = 0.5f; // as Look::tint
+};
 
 // Materials and light. The defaults are off-white stone with a terracotta interior.
 struct Look {
@@ -126,6 +134,7 @@ struct Scene {
     float ground_height = 0.0f; // y of the ground plane
 
     Look look{};
+    std::span<const SurfaceLook> surfaces{}; // of PieceAttachment::surface; at most max_surfaces - 1 (shaders/shared.h)
 };
 
 } // namespace brittle::engine

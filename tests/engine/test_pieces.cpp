@@ -543,6 +543,38 @@ TEST_CASE("pieces are attached to bodies that exist, and neighbours name vertice
     CHECK(batch.error().message.find("neighbour 0") != std::string::npos);
 }
 
+TEST_CASE("a piece with a surface of its own looks as if the scene had that look, and others stay as they are") {
+    const Fixture f;
+    if (!f) return;
+    const Shape ball = icosphere(0.8f, 2);
+    const PieceMesh left{.positions = ball.positions,
+                         .triangles = ball.triangles,
+                         .exterior_triangles = static_cast<uint32_t>(ball.triangles.size() / 2)};
+    const auto handles = f.renderer->set_pieces({&left, 1});
+    REQUIRE(handles);
+    Scene scene = empty_stage();
+    const Bitmap plain = f.draw(scene);
+    const SurfaceLook glass{.exterior = {0.1f, 0.5f, 0.4f}, .interior = {0.0f, 0.2f, 0.9f}, .tint = 0.25f};
+    Scene of_glass = scene;
+    of_glass.look.exterior = glass.exterior;
+    of_glass.look.interior = glass.interior;
+    of_glass.look.tint = glass.tint;
+    const Bitmap expected = f.draw(of_glass);
+    REQUIRE(expected.pixels != plain.pixels);
+    const SurfaceLook surfaces[] = {{}, glass};
+    scene.surfaces = surfaces;
+    CHECK(f.draw(scene).pixels == plain.pixels);
+    for (const bool smooth : {false, true}) {
+        scene.smooth = of_glass.smooth = smooth;
+        REQUIRE(f.renderer->attach_pieces(*handles, {.surface = 2}));
+        CHECK(f.draw(scene).pixels == f.draw(of_glass).pixels);
+        REQUIRE(f.renderer->attach_pieces(*handles, {.surface = 3})); // beyond the last: the look of the scene
+        const Bitmap beyond = f.draw(scene);
+        REQUIRE(f.renderer->attach_pieces(*handles, {}));
+        CHECK(f.draw(scene).pixels == beyond.pixels);
+    }
+}
+
 TEST_CASE("the draw order changes no picture") {
     Quality quality = plain_quality;
     quality.front_to_back = false;
