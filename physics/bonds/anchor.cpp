@@ -39,6 +39,9 @@ bool reaches_box(const Box& box, const glm::dvec3& a, const glm::dvec3& b, const
 
 bool reaches(const AnchorRegion& region, const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
     if (const Box* box = std::get_if<Box>(&region)) return reaches_box(*box, a, b, c);
+    if (const HalfSpace* half = std::get_if<HalfSpace>(&region))
+        return std::min({glm::dot(half->normal, a), glm::dot(half->normal, b), glm::dot(half->normal, c)})
+               <= half->distance;
     const Ball& ball = std::get<Ball>(region);
     const glm::dvec3 apart = fracture::nearest_on_triangle(ball.centre, a, b, c) - ball.centre;
     return glm::dot(apart, apart) <= ball.radius * ball.radius;

@@ -25,7 +25,13 @@ struct Ball {
     double radius = 0.0; // m
 };
 
-using AnchorRegion = std::variant<fracture::Box, Ball>;
+// The points with dot(normal, point) <= distance.
+struct HalfSpace {
+    glm::dvec3 normal{0.0, 1.0, 0.0};
+    double distance = 0.0; // m
+};
+
+using AnchorRegion = std::variant<fracture::Box, Ball, HalfSpace>;
 
 // Returns whether a triangle intersects a region; touching counts. Boxes are tested by separating axes (box normals,
 // triangle normal, cross products of edges), balls by the triangle's nearest point to the centre.

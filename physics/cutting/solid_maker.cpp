@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <string>
 #include <utility>
 
@@ -63,7 +64,9 @@ namespace {
 fracture::Box box_of(const AnchorRegion& region) {
     if (const auto* ball = std::get_if<Ball>(&region))
         return {ball->centre - ball->radius, ball->centre + ball->radius};
-    return std::get<fracture::Box>(region);
+    if (const auto* box = std::get_if<fracture::Box>(&region)) return *box;
+    constexpr double everywhere = std::numeric_limits<double>::max();
+    return {glm::dvec3(-everywhere), glm::dvec3(everywhere)};
 }
 
 struct Extent {
