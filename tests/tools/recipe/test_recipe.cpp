@@ -45,6 +45,7 @@ bool says(const std::string& text, const std::string& words) {
 FractureOptions everything() {
     FractureOptions options;
     options.mesh = "shape:torus";
+    options.units = LengthUnit::inch;
     options.repair = true;
     options.unite = true;
     options.algorithm = fracture::Algorithm::sequential;
@@ -413,7 +414,7 @@ TEST_CASE("recipe: an unknown key or a bad value is named by its path, with what
     for (const char* grain : {"[0, 20, 0]", "[0.01, 0, 0]", "[1e200, 1e200, 0]", "[1e-300, 0, 0]"})
         says(R"({"brittle": 1, "grain": )" + std::string(grain) + "}", "/grain: expected a direction as long as");
     says(R"({"mesh": "shape:cube"})", "/brittle: expected the recipe's version");
-    says(R"({"brittle": 2})", "which is 1");
+    says(R"({"brittle": 3})", "which is 1 for one mesh and 2 for a scene");
     says("[1]", "expected an object");
     says("{", "the JSON cannot be read: parse error at line 1");
     says(std::string(100'000, '['), "nested too deeply");

@@ -81,8 +81,11 @@ TEST_CASE_TEMPLATE("replay: cuts of blows repeat by their own latency, with any 
         Simulation simulation(log.recipe.material); // with the latency of the recording
         Player player(log);
         simulation.observe(&player);
-        simulation.start(fragments, world_of(log.recipe),
-                         prepare_bodies(fragments, world_of(log.recipe), log.recipe.material, {}, threads));
+        PreparedObject object{.fragments = std::make_shared<const fracture::Fragments>(fragments),
+                              .world = world_of(log.recipe),
+                              .material = log.recipe.material};
+        prepare(object, {}, threads);
+        simulation.start(std::move(object));
         schedule(log, simulation);
         while (!player.done() && !player.difference()) simulation.advance(0.017);
         CHECK_FALSE(player.difference());

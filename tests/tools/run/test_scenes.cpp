@@ -20,11 +20,15 @@ using namespace brittle::tools::test;
 
 namespace {
 
-void render(const std::string& scene, const std::string& options, const Folder& folder) {
-    const std::string command = std::string("timeout 120 " BRITTLE_PROGRAM " render ") + scene_file(scene).string()
+void render_file(const fs::path& file, const std::string& options, const Folder& folder) {
+    const std::string command = std::string("timeout 120 " BRITTLE_PROGRAM " render ") + file.string()
                                 + " --size 480x300 --device cpu --validation " + options + " > " + folder / "log"
                                 + " 2>&1";
     REQUIRE(std::system(command.c_str()) == 0);
+}
+
+void render(const std::string& scene, const std::string& options, const Folder& folder) {
+    render_file(scene_file(scene), options, folder);
 }
 
 constexpr BitmapTolerance exact{.ignore = 0, .channel = 0, .fraction = 0.0};
@@ -69,6 +73,26 @@ TEST_CASE_TEMPLATE_DEFINE("every pixel of every scene shows the piece that it di
     CHECK_MESSAGE(check.passed, check.message);
 }
 TEST_CASE_TEMPLATE_APPLY(ids, scene::All);
+
+TEST_CASE("every world of several objects looks as it did before anything moves, and at its end") {
+    for (const auto& entry : fs::directory_iterator(BRITTLE_ASSETS "/worlds")) {
+        const Folder folder;
+        const std::string name = entry.path().stem().string();
+        CAPTURE(name);
+        for (const bool end : {false, true}) {
+            const std::string file = folder / (name + ".png");
+            render_file(entry.path(), (end ? "-o " : "--frames 0 -o ") + file, folder);
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+            continue;
+#endif
+            const auto image = read_png(file);
+            REQUIRE(image);
+            const GoldenCheck check =
+                check_golden(*image, name + (end ? "" : ".start"), {}, golden_folder() + "/worlds");
+            CHECK_MESSAGE(check.passed, check.message);
+        }
+    }
+}
 
 TEST_CASE("a single pixel with another piece is found") {
     if (is_updating_goldens()) return;

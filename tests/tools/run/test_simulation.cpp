@@ -24,7 +24,7 @@ TEST_CASE("simulation: without pieces, actions and steps do nothing") {
         simulation.apply(action);
     simulation.step();
     CHECK(simulation.steps() == 1);
-    simulation.start({}, {});
+    simulation.start(fracture::Fragments{}, {});
     CHECK(simulation.steps() == 0);
     simulation.step();
     CHECK(!simulation.running());

@@ -49,9 +49,9 @@ TEST_CASE("stage: new pieces are staged for the device ahead, whether cut before
     CHECK(pieces.batch.staged());
 
     const PreparedPieces solid = whole.prepare();
-    REQUIRE(solid.bodies.solids.size() == 1);
-    REQUIRE(solid.bodies.payloads.size() == 1);
-    const auto* drawing = static_cast<const PieceDrawing*>(solid.bodies.payloads[0].get());
+    REQUIRE(solid.object.bodies.solids.size() == 1);
+    REQUIRE(solid.object.bodies.payloads.size() == 1);
+    const auto* drawing = static_cast<const PieceDrawing*>(solid.object.bodies.payloads[0].get());
     REQUIRE(drawing);
     CHECK(drawing->batch.pieces().size() == drawing->made.size());
     CHECK(drawing->made.size() >= 5); // a part has 4,096 triangles at most

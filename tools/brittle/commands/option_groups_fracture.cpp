@@ -51,6 +51,13 @@ void add_mesh_options(CLI::App& command, FractureOptions& options) {
             },
             mesh_help() + ", or a recipe (.json)")
         ->type_name("MESH");
+    command
+        .add_option_function<std::string>(
+            "--units", [&options](const std::string& name) { options.units = *length_unit(name); },
+            "Length of a unit of the mesh file on the stage of `render` and `demo`. fit: the mesh is 2 m long there.")
+        ->check(CLI::IsMember({"fit", "m", "cm", "mm", "inch"}))
+        ->type_name("UNIT")
+        ->default_str("fit");
 }
 
 // Returns whether a recipe gives the options: its sites are where it says, even if they change elsewhere.

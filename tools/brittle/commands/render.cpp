@@ -15,8 +15,10 @@
 #include "tools/brittle/pictures/film.h"
 #include "tools/brittle/pictures/picture.h"
 #include "tools/brittle/pictures/view.h"
+#include "tools/brittle/recipe/recipe.h"
 #include "tools/brittle/replay/recorder.h"
 #include "tools/brittle/run/classify_choice.h"
+#include "tools/brittle/run/scene.h"
 #include "tools/brittle/run/stage.h"
 #include "tools/brittle/run/state_export.h"
 
@@ -110,6 +112,44 @@ void draw_frames(Film& film, Stage& stage, uint32_t frames) {
     film.finish();
 }
 
+void write_graph(const RenderCommand& command, const engine::Renderer& renderer) {
+    if (command.graph.empty()) return;
+    const std::string& dot = renderer.graph_dot();
+    must(fracture::write_file_atomically(command.graph, std::as_bytes(std::span(dot))));
+}
+
+// Loads a scene, puts it on a stage and draws it.
+int render_scene(const RenderCommand& command, const FilmOptions& film_options) {
+    const PictureOptions& picture = command.fracture.picture;
+    if (!command.pieces.files.output.empty())
+        throw Failure(exit_usage, "--export: cannot export a scene yet; export its objects one by one");
+    const LoadedScene scene = load_scene(command.fracture);
+    if (!command.fracture.save_recipe.empty()) write_recipe(command.fracture.save_recipe, command.fracture);
+    for (const std::string& note : scene.notes) std::fprintf(stderr, "brittle: %s\n", note.c_str());
+    const std::unique_ptr<engine::Device> device = open_device(command.view);
+    const auto renderer = must(engine::Renderer::create(*device, film_settings(command.view)));
+    Stage stage(*renderer, scene.home);
+    std::optional<Recorder> recorder;
+    if (!command.record.empty()) {
+        recorder.emplace(command.record, command.fracture);
+        stage.simulation().observe(&*recorder);
+    }
+    {
+        Progress progress("preparing the scene");
+        stage.stand(prepare_scene(scene, payload_maker(*renderer), [&](double share) { progress.update(share); }),
+                    scene.world);
+    }
+    stage.show_hulls(picture.hulls);
+    stage.explode(picture.explode);
+    Film film(*renderer, film_options, picture, command.view, stage.home_bounds());
+    draw_frames(film, stage, picture.frames);
+    if (recorder) recorder->finish();
+    write_graph(command, *renderer);
+    std::printf("%zu objects: %s on %s\n", scene.objects.size(), film.summary().c_str(), device->info().name.c_str());
+    check_validation(*device);
+    return exit_success;
+}
+
 } // namespace
 
 int run_render(const RenderCommand& command) {
@@ -119,6 +159,7 @@ int run_render(const RenderCommand& command) {
     check_film(film_options);
     check_run(command);
     catch_interrupts();
+    if (is_scene(command.fracture)) return render_scene(command, film_options);
     const bool exports = !command.pieces.files.output.empty();
     const Input source = load_input(command.fracture, exports), input = placed_on_stage(source, command.fracture.world);
     const WorldOptions world = world_of(command.fracture, input.scale);
@@ -141,10 +182,7 @@ int run_render(const RenderCommand& command) {
     Film film(*renderer, film_options, picture, command.view, stage.home_bounds());
     draw_frames(film, stage, picture.whole ? 0 : picture.frames);
     if (recorder) recorder->finish();
-    if (!command.graph.empty()) {
-        const std::string& dot = renderer->graph_dot();
-        must(fracture::write_file_atomically(command.graph, std::as_bytes(std::span(dot))));
-    }
+    write_graph(command, *renderer);
     std::string done = film.summary();
     if (exports) {
         const Snapshot state = snapshot(stage.simulation(), fragments);

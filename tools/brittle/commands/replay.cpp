@@ -9,6 +9,7 @@
 #include "tools/brittle/pictures/film.h"
 #include "tools/brittle/pictures/view.h"
 #include "tools/brittle/replay/player.h"
+#include "tools/brittle/run/scene.h"
 #include "tools/brittle/run/stage.h"
 #include "tools/brittle/run/state_export.h"
 
@@ -25,18 +26,39 @@ void run_steps(Simulation& simulation, const Player& player, uint64_t steps) {
     }
 }
 
+// What the recipe of the log loads: one mesh, or a scene.
 struct Run {
     const ReplayCommand& command;
     const ReplayLog& log;
-    const Input& source; // mesh in the coordinates of its file
-    std::shared_ptr<const fracture::Fragments> fragments;
-    WorldOptions world;
+    Input source{}, input{}; // of one mesh: in the coordinates of its file, and on the stage
+    std::shared_ptr<const fracture::Fragments> fragments{};
+    WorldOptions world{};
+    LoadedScene scene{};
+
+    [[nodiscard]] bool of_scene() const { return is_scene(log.recipe); }
+    [[nodiscard]] std::string name() const {
+        return of_scene() ? std::to_string(scene.objects.size()) + " objects" : source.name;
+    }
 };
+
+Run load_run(const ReplayCommand& command, const ReplayLog& log) {
+    Run run{command, log};
+    if (run.of_scene()) {
+        run.scene = load_scene(log.recipe, !command.pieces.files.output.empty());
+        return run;
+    }
+    run.source = load_input(log.recipe, !command.pieces.files.output.empty());
+    run.input = placed_on_stage(run.source, log.recipe.world);
+    run.fragments = std::make_shared<const fracture::Fragments>(break_input(run.input, log.recipe).fragments);
+    run.world = world_of(log.recipe, run.input.scale);
+    return run;
+}
 
 // Writes the pieces, unless the run differed from the log.
 void write_pieces_of(const Run& run, const Player& player, const Simulation& simulation) {
     const StateExport& pieces = run.command.pieces;
     if (pieces.files.output.empty() || player.difference()) return;
+    if (run.of_scene()) throw Failure(exit_usage, "--export: cannot export a scene yet; export its objects one by one");
     const Snapshot state = snapshot(simulation, run.fragments);
     const auto files = write_state(pieces.files, pieces_as(pieces.as), run.log.recipe, run.source, state);
     std::printf("%s: %s\n", run.source.name.c_str(), written_text(state.pieces.size(), files).c_str());
@@ -47,7 +69,10 @@ void replay(const Run& run, Player& player) {
     Simulation simulation(run.log.recipe.material);
     simulation.observe(&player);
     follow(run.log, simulation);
-    simulation.start(*run.fragments, run.world);
+    if (run.of_scene())
+        simulation.start(prepare_scene(run.scene), run.scene.world);
+    else
+        simulation.start(*run.fragments, run.world);
     if (player.difference()) return;
     schedule(run.log, simulation);
     run_steps(simulation, player, run.log.states.size());
@@ -56,15 +81,23 @@ void replay(const Run& run, Player& player) {
 
 // Replays and draws. Goes on after a difference, so that its consequences are visible, except if the initial pieces
 // differ from the log's.
-void draw(const Run& run, Player& player, const Input& input) {
+void draw(const Run& run, Player& player) {
     const ReplayCommand& command = run.command;
     const ReplayLog& log = run.log;
     const std::unique_ptr<engine::Device> device = open_device(command.view);
     const auto renderer = must(engine::Renderer::create(*device, film_settings(command.view)));
-    Stage stage(*renderer, input.model.mesh, log.recipe.material);
+    std::optional<Stage> owner;
+    if (run.of_scene())
+        owner.emplace(*renderer, run.scene.home);
+    else
+        owner.emplace(*renderer, run.input.model.mesh, log.recipe.material);
+    Stage& stage = *owner;
     stage.simulation().observe(&player);
     follow(log, stage.simulation());
-    stage.stand(*run.fragments, run.world);
+    if (run.of_scene())
+        stage.stand(prepare_scene(run.scene, payload_maker(*renderer)), run.scene.world);
+    else
+        stage.stand(*run.fragments, run.world);
     if (player.difference()) return;
     schedule(log, stage.simulation());
     Film film(*renderer, {.output = command.pictures, .every = command.every, .video = command.video},
@@ -78,7 +111,7 @@ void draw(const Run& run, Player& player, const Input& input) {
         progress.update(static_cast<double>(stage.simulation().steps()) / static_cast<double>(log.states.size()));
     }
     film.finish();
-    std::printf("%s: %s on %s\n", input.name.c_str(), film.summary().c_str(), device->info().name.c_str());
+    std::printf("%s: %s on %s\n", run.name().c_str(), film.summary().c_str(), device->info().name.c_str());
     check_validation(*device);
 }
 
@@ -89,16 +122,12 @@ int run_replay(const ReplayCommand& command) {
     catch_interrupts();
     ReplayLog log = read_replay_log(command.log);
     log.recipe.threads = command.threads;
-    const Input source = load_input(log.recipe, !command.pieces.files.output.empty());
-    const Input input = placed_on_stage(source, log.recipe.world);
-    const Run run{command, log, source,
-                  std::make_shared<const fracture::Fragments>(break_input(input, log.recipe).fragments),
-                  world_of(log.recipe, input.scale)};
+    const Run run = load_run(command, log);
     Player player(log);
     if (command.pictures.empty() && command.video.empty())
         replay(run, player);
     else
-        draw(run, player, input);
+        draw(run, player);
 
     const size_t steps = log.states.size() - 1;
     if (const std::optional<Difference>& difference = player.difference()) {

@@ -1,5 +1,6 @@
 #include "tools/brittle/recipe/input.h"
 
+#include <array>
 #include <cstdio>
 #include <filesystem>
 #include <map>
@@ -45,11 +46,6 @@ fracture::Model load_model(const std::string& mesh, bool with_looks) {
     throw Failure(exit_input, "there is no shape named '" + std::string(name) + "'; the shapes are: " + known);
 }
 
-std::string mesh_name(const std::string& mesh) {
-    if (mesh.starts_with(shape_prefix)) return mesh.substr(shape_prefix.size());
-    return std::filesystem::path(mesh).stem().string();
-}
-
 // Repairs the mesh and reports the repair on standard error.
 void repair(fracture::Model& model, const std::string& name) {
     fracture::Repaired repaired = fracture::repair(model.mesh);
@@ -70,7 +66,29 @@ void suggest_repair(const fracture::TriangleMesh& mesh, const std::string& name)
                                  + fracture::describe(repaired.report) + "The mesh is then closed");
 }
 
+constexpr std::array<std::pair<const char*, double>, 5> length_units = {
+    {{"fit", 1.0}, {"m", 1.0}, {"cm", 0.01}, {"mm", 0.001}, {"inch", 0.0254}}};
+
 } // namespace
+
+const char* to_string(LengthUnit unit) {
+    return length_units[static_cast<size_t>(unit)].first;
+}
+
+std::optional<LengthUnit> length_unit(const std::string& name) {
+    for (size_t unit = 0; unit < length_units.size(); ++unit)
+        if (name == length_units[unit].first) return static_cast<LengthUnit>(unit);
+    return std::nullopt;
+}
+
+double metres_of(LengthUnit unit) {
+    return length_units[static_cast<size_t>(unit)].second;
+}
+
+std::string mesh_name(const std::string& mesh) {
+    if (mesh.starts_with(shape_prefix)) return mesh.substr(shape_prefix.size());
+    return std::filesystem::path(mesh).stem().string();
+}
 
 Input load_mesh_only(const std::string& mesh, bool with_looks) {
     Input input;
@@ -243,9 +261,13 @@ std::string overlap_of(const fracture::TriangleMesh& mesh) {
 }
 
 Input load_input(const FractureOptions& options, bool with_looks) {
+    if (is_scene(options))
+        throw Failure(exit_usage, "the recipe is a scene of " + std::to_string(options.objects.size())
+                                      + " objects; this command takes one mesh. `brittle render` draws scenes");
     if (options.mesh.empty()) throw Failure(exit_usage, "no mesh: give a file, shape:NAME, or a recipe that names one");
     const InterruptDeadline deadline; // nothing is lost yet
     Input input = load_mesh_only(options.mesh, with_looks);
+    input.units = options.units;
     if (!options.save_recipe.empty()) write_recipe(options.save_recipe, options);
     prepare_mesh(options, input);
     SiteSet set = sites_for(options, input.model.mesh);

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,16 @@ struct PlacedSite {
     friend bool operator==(const PlacedSite&, const PlacedSite&) = default;
 };
 
+// The length of a unit of a mesh file. `fit`: whatever makes the mesh 2 m long.
+enum class LengthUnit { fit, metre, centimetre, millimetre, inch };
+
+[[nodiscard]] const char* to_string(LengthUnit unit); // "fit", "m", "cm", "mm" or "inch"
+[[nodiscard]] std::optional<LengthUnit> length_unit(const std::string& name);
+[[nodiscard]] double metres_of(LengthUnit unit); // 1 for fit
+
+struct SceneObject;
+
+// A mesh and how to break it; or, with `objects`, a scene of several.
 struct FractureOptions {
     std::string mesh;     // path of a file, or shape:NAME
     std::string material; // --material: name of a preset, or empty; use_material() has copied its pattern to `pattern`
@@ -42,10 +53,48 @@ struct FractureOptions {
     double min_volume = 0.0; // --min-volume, m^3: a smaller piece is merged with a neighbour
     // --roughness, --rough-size, --grain, --detail; in metres of the file. roughness_of() sets its seed.
     fracture::Roughness rough;
-    uint32_t threads = 0;   // 0: one per core
-    PictureOptions picture; // contents of the pictures of `brittle render`
-    WorldOptions world;     // physics; world_of() sets its seed and blows
+    uint32_t threads = 0;               // 0: one per core
+    PictureOptions picture;             // contents of the pictures of `brittle render`
+    WorldOptions world;                 // physics; world_of() sets its seed and blows
+    LengthUnit units = LengthUnit::fit; // of the mesh files
+    // The objects of a scene. Of the members above, only units, threads, picture, save_recipe and the members of
+    // `world` that concern no single object then count.
+    std::vector<SceneObject> objects{};
 };
+
+// Where an object stands: a mesh point p is at translation + R * (scale * p), m, with p in metres, and R the rotation
+// about X, then Y, then Z.
+struct ObjectPlacement {
+    glm::dvec3 translation{0.0}; // m
+    glm::dvec3 rotation{0.0};    // degrees
+    glm::dvec3 scale{1.0};
+
+    friend bool operator==(const ObjectPlacement&, const ObjectPlacement&) = default;
+};
+
+// An object of a scene: a recipe of its own, and its place. It starts whole and breakable, unless its recipe's world or
+// a member here says otherwise.
+struct SceneObject {
+    std::string name; // unique in the scene
+    ObjectPlacement placement;
+    bool fixed = false;     // never moves or breaks, and collides with its surface; the mesh may be open
+    bool shattered = false; // cut by its pattern at the start, into loose pieces
+    // Without objects. Of its world, the members that concern one object count; where it is neither breakable nor
+    // bonded nor shattered, the object is rigid.
+    FractureOptions recipe = [] {
+        FractureOptions options;
+        options.world.breakable = true;
+        options.world.height = 0.0;
+        return options;
+    }();
+};
+
+[[nodiscard]] inline bool is_scene(const FractureOptions& options) {
+    return !options.objects.empty();
+}
+
+// Returns the name of a mesh for people: the name of a shape, or the stem of a file.
+[[nodiscard]] std::string mesh_name(const std::string& mesh);
 
 // Limits of FractureOptions::rough, those of fracture().
 inline constexpr double min_stretch = 1.0 / 16.0, max_stretch = 16.0; // length of a grain; 0 stands for no grain
@@ -66,9 +115,10 @@ struct Input {
     std::string name;      // stem of the file, or name of the shape
     fracture::Model model; // materials and textures only on request, and never for shapes
     std::vector<glm::dvec3> sites;
-    std::vector<uint32_t> groups; // group of each site; or empty
-    std::vector<double> weights;  // weight of each site, m^2; or empty
-    double scale = 1.0;           // metres of this mesh per metre of the file; placed_on_stage() sets it
+    std::vector<uint32_t> groups;       // group of each site; or empty
+    std::vector<double> weights;        // weight of each site, m^2; or empty
+    double scale = 1.0;                 // metres of this mesh per metre of the file; placed_on_stage() sets it
+    LengthUnit units = LengthUnit::fit; // of the file
     double import_milliseconds = 0.0;
 };
 

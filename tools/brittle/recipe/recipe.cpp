@@ -1,7 +1,9 @@
 #include "tools/brittle/recipe/recipe.h"
 
 #include <algorithm>
-#include <array>
+#include <cmath>
+#include <optional>
+#include <set>
 #include <span>
 #include <string_view>
 #include <utility>
@@ -12,9 +14,9 @@
 
 #include "fracture/io/atomic_file.h"
 #include "fracture/io/text_cursor.h"
-#include "physics/world/joint.h"
 #include "tools/brittle/base/failure.h"
 #include "tools/brittle/recipe/json_reader.h"
+#include "tools/brittle/recipe/world_json.h"
 
 namespace brittle::tools {
 
@@ -23,15 +25,11 @@ namespace {
 using Json = nlohmann::ordered_json;
 using fracture::Pattern;
 
-constexpr int version = 1;
+constexpr int version = 1, scene_version = 2;
 constexpr std::string_view shape_prefix = "shape:";
 constexpr size_t max_recipe_bytes = size_t{1} << 20;
 constexpr size_t max_strikes = 1000;
-constexpr std::array<std::string_view, 3> axes = {"x", "y", "z"};
-
-Json vector_json(const glm::dvec3& v) {
-    return {v.x, v.y, v.z};
-}
+constexpr size_t max_objects = 10'000;
 
 // Returns the values that differ from the plain pattern, which is the one that reading starts with.
 Json pattern_json(const Pattern& pattern, const Pattern& plain) {
@@ -88,80 +86,6 @@ Json strikes_json(const std::vector<Strike>& strikes) {
     return json;
 }
 
-// Converts the size of a brick along X, Y and Z to length, height and thickness, and back: exchanges the X component
-// with the component of the axis that the length lies along.
-glm::dvec3 exchanged(glm::dvec3 size, uint32_t along) {
-    std::swap(size.x, size[static_cast<int>(along)]);
-    return size;
-}
-
-Json brick_json(const physics::RunningBond& bond) {
-    return {{"size", vector_json(exchanged(bond.brick, bond.along))}, {"along", axes[bond.along]}};
-}
-
-Json joint_json(const JointOptions& joint) {
-    const JointOptions plain;
-    Json json{{"kind", physics::to_string(joint.kind)}};
-    if (joint.shot) json["shot"] = *joint.shot;
-    if (joint.at != plain.at) json["at"] = vector_json(joint.at);
-    if (joint.to_piece) json["to_piece"] = true;
-    if (joint.to != plain.to) json["to"] = vector_json(joint.to);
-    if (joint.axis != plain.axis) json["axis"] = vector_json(joint.axis);
-    if (joint.min_length != plain.min_length) json["min_length"] = joint.min_length;
-    if (joint.max_length) json["max_length"] = *joint.max_length;
-    if (joint.max_force != plain.max_force) json["max_force"] = joint.max_force;
-    if (joint.links != plain.links) json["links"] = joint.links;
-    if (joint.link_radius != plain.link_radius) json["link_radius"] = joint.link_radius;
-    return json;
-}
-
-Json world_json(const WorldOptions& world) {
-    const WorldOptions plain;
-    Json json = Json::object();
-    if (world.engine != plain.engine) json["physics"] = physics::to_string(world.engine);
-    if (world.bonded) json["bonded"] = true;
-    if (world.anchored) json["anchored"] = true;
-    if (world.height != plain.height) json["height"] = world.height;
-    if (world.air_density != plain.air_density) json["air_density"] = world.air_density;
-    if (world.max_colliding != plain.max_colliding) json["max_colliding"] = world.max_colliding;
-    if (world.strength != plain.strength) json["strength"] = world.strength;
-    if (world.breakable) json["breakable"] = true;
-    if (world.min_size != plain.min_size) json["min_size"] = world.min_size;
-    if (world.blow_pieces != plain.blow_pieces) json["blow_pieces"] = world.blow_pieces;
-    if (world.bond.brick != plain.bond.brick || world.bond.along != plain.bond.along)
-        json["brick"] = brick_json(world.bond);
-    if (world.piece_limit != plain.piece_limit) json["piece_limit"] = world.piece_limit;
-    for (const Anchor& anchor : world.anchors)
-        json["anchors"].push_back({{"at", vector_json(anchor.at)}, {"radius", anchor.radius}});
-    for (const Shot& shot : world.shots)
-        json["shots"].push_back({{"time", shot.time},
-                                 {"from", vector_json(shot.from)},
-                                 {"velocity", vector_json(shot.velocity)},
-                                 {"radius", shot.radius},
-                                 {"density", shot.density}});
-    for (const JointOptions& joint : world.joints) json["joints"].push_back(joint_json(joint));
-    return json;
-}
-
-// Returns the values that differ from the defaults.
-Json picture_json(const PictureOptions& picture) {
-    const PictureOptions plain;
-    Json json = Json::object();
-    if (picture.frames != plain.frames) json["frames"] = picture.frames;
-    if (picture.whole) json["whole"] = true;
-    if (picture.planes != plain.planes) json["planes"] = picture.planes;
-    if (picture.explode != plain.explode) json["explode"] = picture.explode;
-    if (picture.sites) json["sites"] = true;
-    if (picture.hulls) json["hulls"] = true;
-    if (picture.cells) json["cells"] = true;
-    if (picture.smooth) json["smooth"] = true;
-    if (picture.wireframe) json["wireframe"] = true;
-    if (picture.azimuth != plain.azimuth) json["azimuth"] = picture.azimuth;
-    if (picture.elevation != plain.elevation) json["elevation"] = picture.elevation;
-    if (picture.distance != plain.distance) json["distance"] = picture.distance;
-    return json;
-}
-
 // Adds the values that differ from the plain roughness, with which reading starts.
 void add_roughness(const fracture::Roughness& rough, const fracture::Roughness& plain, Json& recipe) {
     if (rough.amount > 0.0) recipe["roughness"] = rough.amount;
@@ -170,8 +94,9 @@ void add_roughness(const fracture::Roughness& rough, const fracture::Roughness& 
     if (rough.detail != plain.detail) recipe["detail"] = rough.detail;
 }
 
-Json recipe_object(const FractureOptions& options) {
-    Json recipe{{"brittle", version}, {"mesh", options.mesh}};
+// How a mesh is broken: all but its physics.
+void add_fracture(const FractureOptions& options, Json& recipe) {
+    recipe["mesh"] = options.mesh;
     if (!options.material.empty()) recipe["material"] = options.material;
     if (options.repair) recipe["repair"] = true;
     if (options.unite) recipe["unite"] = true;
@@ -185,7 +110,44 @@ Json recipe_object(const FractureOptions& options) {
     if (options.min_volume > 0.0) recipe["min_volume"] = options.min_volume;
     if (by_pattern) plain.rough.grain = grain_of_material(plain, options.pattern.axis);
     add_roughness(options.rough, plain.rough, recipe);
-    if (const Json world = world_json(options.world); !world.empty()) recipe["world"] = world;
+}
+
+Json object_json(const SceneObject& object) {
+    const ObjectPlacement plain, &placement = object.placement;
+    Json json{{"name", object.name}};
+    add_fracture(object.recipe, json);
+    if (placement.translation != plain.translation) json["translation"] = vector_json(placement.translation);
+    if (placement.rotation != plain.rotation) json["rotation"] = vector_json(placement.rotation);
+    if (placement.scale != plain.scale) json["scale"] = vector_json(placement.scale);
+    if (object.fixed) json["fixed"] = true;
+    if (object.shattered) json["shattered"] = true;
+    add_body(object.recipe.world, json);
+    json.erase("breakable"); // the default of an object, unlike that of a world
+    if (!object.recipe.world.breakable && !object.fixed) json["breakable"] = false;
+    return json;
+}
+
+Json scene_json(const FractureOptions& scene) {
+    Json json{{"brittle", scene_version}};
+    if (scene.units != LengthUnit::metre) json["units"] = to_string(scene.units);
+    for (const SceneObject& object : scene.objects) json["objects"].push_back(object_json(object));
+    Json world = Json::object();
+    add_world(scene.world, world);
+    if (!world.empty()) json["world"] = world;
+    if (const Json picture = picture_json(scene.picture); !picture.empty()) json["picture"] = picture;
+    return json;
+}
+
+Json recipe_object(const FractureOptions& options) {
+    if (is_scene(options)) return scene_json(options);
+    Json recipe{{"brittle", version}};
+    add_fracture(options, recipe);
+    if (options.units != LengthUnit::fit) recipe["units"] = to_string(options.units);
+    Json world = Json::object();
+    add_body(options.world, world);
+    if (options.world.height != WorldOptions{}.height) world["height"] = options.world.height;
+    add_world(options.world, world);
+    if (!world.empty()) recipe["world"] = world;
     if (const Json picture = picture_json(options.picture); !picture.empty()) recipe["picture"] = picture;
     return recipe;
 }
@@ -216,14 +178,15 @@ std::vector<PlacedSite> read_points(JsonReader& reader) {
     return points;
 }
 
-void read_strikes(const std::filesystem::path& file, JsonReader& reader, std::vector<Strike>& strikes) {
+void read_strikes(const std::filesystem::path& file, const std::string& path, JsonReader& reader,
+                  std::vector<Strike>& strikes) {
     const Json* list = reader.find("strikes");
     if (!list) return;
     if (!list->is_array() || list->size() > max_strikes)
         reader.fail("strikes", "a list [{ }, ...] of at most " + std::to_string(max_strikes), *list);
     strikes.clear();
     for (size_t k = 0; k < list->size(); ++k) {
-        JsonReader inner(file, (*list)[k], "/strikes/" + std::to_string(k));
+        JsonReader inner(file, (*list)[k], path + "/strikes/" + std::to_string(k));
         Strike strike;
         inner.vector("at", strike.at);
         inner.vector("direction", strike.direction);
@@ -280,153 +243,6 @@ void read_pattern(JsonReader& reader, FractureOptions& options) {
     }
 }
 
-void read_anchors(const std::filesystem::path& file, const std::string& path, JsonReader& reader,
-                  std::vector<Anchor>& anchors) {
-    const Json* list = reader.find("anchors");
-    if (!list) return;
-    if (!list->is_array() || list->size() > max_anchors)
-        reader.fail("anchors", "a list [{ }, ...] of at most " + std::to_string(max_anchors), *list);
-    anchors.clear();
-    for (size_t k = 0; k < list->size(); ++k) {
-        JsonReader inner(file, (*list)[k], path + "/anchors/" + std::to_string(k));
-        Anchor anchor;
-        inner.vector("at", anchor.at);
-        inner.number("radius", anchor.radius, 0.001, 10.0);
-        inner.refuse_unknown_keys();
-        anchors.push_back(anchor);
-    }
-}
-
-void read_brick(JsonReader& reader, physics::RunningBond& bond) {
-    glm::dvec3 size = exchanged(bond.brick, bond.along);
-    if (const Json* sides = reader.find("size")) {
-        if (!sides->is_array() || sides->size() != 3)
-            reader.fail("size", "length, height and thickness in metres, such as [0.25, 0.075, 0.12]", *sides);
-        for (int side = 0; side < 3; ++side)
-            size[side] =
-                reader.number_of("size/" + std::to_string(side), (*sides)[static_cast<size_t>(side)], 0.001, 10.0);
-    }
-    std::string along(axes[bond.along]);
-    reader.text("along", along);
-    const auto axis = std::ranges::find(axes, along);
-    if (axis == axes.end()) throw reader.failure("along", "expected \"x\", \"y\" or \"z\", found " + shown(along));
-    bond.along = static_cast<uint32_t>(axis - axes.begin());
-    bond.brick = exchanged(size, bond.along);
-}
-
-void read_engine(JsonReader& reader, physics::EngineKind& engine) {
-    std::string name = physics::to_string(engine);
-    reader.text("physics", name);
-    if (name != "solver" && name != "bullet")
-        throw reader.failure("physics", "expected \"solver\" or \"bullet\", found " + shown(name));
-    engine = name == "bullet" ? physics::EngineKind::bullet : physics::EngineKind::solver;
-}
-
-physics::JointKind joint_kind(JsonReader& reader) {
-    std::string name = physics::to_string(JointOptions{}.kind);
-    reader.text("kind", name);
-    for (const physics::JointKind kind :
-         {physics::JointKind::ball, physics::JointKind::hinge, physics::JointKind::distance})
-        if (name == physics::to_string(kind)) return kind;
-    throw reader.failure("kind", "expected \"ball\", \"hinge\" or \"distance\", found " + shown(name));
-}
-
-void read_joint(JsonReader& reader, JointOptions& joint) {
-    constexpr double longest = 1000.0; // m
-    joint.kind = joint_kind(reader);
-    if (reader.find("shot")) reader.whole("shot", joint.shot.emplace(), 0, 100'000);
-    reader.vector("at", joint.at);
-    reader.flag("to_piece", joint.to_piece);
-    reader.vector("to", joint.to);
-    reader.vector("axis", joint.axis);
-    reader.number("min_length", joint.min_length, 0.0, longest);
-    if (reader.find("max_length")) reader.number("max_length", joint.max_length.emplace(), 0.001, longest);
-    reader.number("max_force", joint.max_force, 0.0, 1e12);
-    reader.whole("links", joint.links, 0, max_links);
-    reader.number("link_radius", joint.link_radius, 0.001, 1.0);
-    if (joint.kind == physics::JointKind::hinge && glm::length(joint.axis) < 1e-6)
-        throw reader.failure("axis",
-                             "expected a direction, such as [0, 1, 0], found " + shown(vector_json(joint.axis)));
-    if (joint.max_length && *joint.max_length < joint.min_length)
-        throw reader.failure("max_length", "is below min_length, " + std::to_string(joint.min_length) + " m");
-    if (joint.links > 0 && joint.kind != physics::JointKind::distance)
-        throw reader.failure("links", "only a distance joint has links; give \"kind\": \"distance\"");
-    if (joint.links > 0 && (joint.max_length || joint.min_length > 0.0))
-        throw reader.failure("links", "a chain is as long as its ends are apart; leave min_length and max_length out");
-    if (joint.kind == physics::JointKind::distance && !joint.shot && glm::length(joint.to - joint.at) < 0.001)
-        throw reader.failure("to", "is where \"at\" is; give the other end of the joint");
-}
-
-void read_joints(const std::filesystem::path& file, const std::string& path, JsonReader& reader,
-                 std::vector<JointOptions>& joints) {
-    const Json* all = reader.find("joints");
-    if (!all) return;
-    if (!all->is_array() || all->size() > max_joints)
-        reader.fail("joints", "a list [{ }, ...] of at most " + std::to_string(max_joints) + " joints", *all);
-    joints.clear();
-    for (size_t k = 0; k < all->size(); ++k) {
-        JsonReader inner(file, (*all)[k], path + "/joints/" + std::to_string(k));
-        read_joint(inner, joints.emplace_back());
-        inner.refuse_unknown_keys();
-    }
-}
-
-void read_world(const std::filesystem::path& file, const std::string& path, JsonReader& reader, WorldOptions& world) {
-    read_engine(reader, world.engine);
-    reader.flag("bonded", world.bonded);
-    reader.flag("anchored", world.anchored);
-    reader.number("height", world.height, 0.0, 100.0);
-    reader.number("air_density", world.air_density, 0.0, 1e4);
-    reader.whole(reader.renamed("max_colliding", "most_colliding"), world.max_colliding, 0, 1'000'000);
-    reader.number("strength", world.strength, 1e-6, 1e6);
-    reader.flag("breakable", world.breakable);
-    reader.number("min_size", world.min_size, 1e-4, 10.0);
-    reader.whole("blow_pieces", world.blow_pieces, 2, 1000);
-    if (const Json* brick = reader.find("brick")) {
-        JsonReader inner(file, *brick, path + "/brick");
-        read_brick(inner, world.bond);
-        inner.refuse_unknown_keys();
-    }
-    reader.whole("piece_limit", world.piece_limit, 1, 1'000'000);
-    read_anchors(file, path, reader, world.anchors);
-    read_joints(file, path, reader, world.joints);
-    const Json* shots = reader.find("shots");
-    if (!shots) return;
-    if (!shots->is_array()) reader.fail("shots", "a list [{ }, ...]", *shots);
-    world.shots.clear();
-    for (size_t k = 0; k < shots->size(); ++k) {
-        JsonReader inner(file, (*shots)[k], path + "/shots/" + std::to_string(k));
-        Shot shot;
-        inner.number("time", shot.time, 0.0, 1e4);
-        inner.vector("from", shot.from);
-        inner.vector("velocity", shot.velocity);
-        inner.number("radius", shot.radius, 0.001, 10.0);
-        inner.number("density", shot.density, 1.0, 1e5);
-        inner.refuse_unknown_keys();
-        world.shots.push_back(shot);
-    }
-}
-
-void read_picture(JsonReader& reader, PictureOptions& picture) {
-    const auto number = [&](const char* key, float& target, double low, double high) {
-        double value = target;
-        reader.number(key, value, low, high);
-        target = static_cast<float>(value);
-    };
-    reader.whole("frames", picture.frames, 0, 100'000);
-    reader.flag("whole", picture.whole);
-    reader.whole("planes", picture.planes, 0, 1'000'000);
-    number("explode", picture.explode, 0.0, 10.0);
-    reader.flag("sites", picture.sites);
-    reader.flag("hulls", picture.hulls);
-    reader.flag("cells", picture.cells);
-    reader.flag("smooth", picture.smooth);
-    reader.flag("wireframe", picture.wireframe);
-    number("azimuth", picture.azimuth, -360.0, 360.0);
-    number("elevation", picture.elevation, -89.0, 89.0);
-    number("distance", picture.distance, 0.1, 10.0);
-}
-
 // Precondition: material and pattern are read, whose grain holds where the recipe gives none.
 void read_roughness(JsonReader& reader, FractureOptions& options) {
     fracture::Roughness& rough = options.rough;
@@ -451,13 +267,20 @@ void read_recipe(const std::filesystem::path& file, FractureOptions& options) {
     read_recipe(file, read_json_file(file, "recipe", max_recipe_bytes), "", options);
 }
 
-void read_recipe(const std::filesystem::path& file, const Json& json, const std::string& path,
-                 FractureOptions& options) {
-    JsonReader reader(file, json, path);
-    int written_for = 0;
-    reader.whole("brittle", written_for, 0, INT32_MAX);
-    if (written_for != version)
-        throw reader.failure("brittle", "expected the recipe's version, which is " + std::to_string(version));
+namespace {
+
+void read_units(JsonReader& reader, LengthUnit& units) {
+    std::string name = to_string(units);
+    reader.text("units", name);
+    const std::optional<LengthUnit> known = length_unit(name);
+    if (!known)
+        throw reader.failure("units", "expected \"m\", \"cm\", \"mm\", \"inch\" or \"fit\", found " + shown(name));
+    units = *known;
+}
+
+// Reads what add_fracture() writes.
+void read_fracture(const std::filesystem::path& file, const std::string& path, JsonReader& reader,
+                   FractureOptions& options) {
     const auto from_here = [&](std::string& name) {
         if (!name.empty() && !name.starts_with(shape_prefix))
             name = (file.parent_path() / name).lexically_normal().string();
@@ -485,9 +308,109 @@ void read_recipe(const std::filesystem::path& file, const Json& json, const std:
         from_here(options.sites_file);
         if (!material.empty()) options.rough.grain = grain_of_material(options, options.pattern.axis);
     }
-    read_strikes(file, reader, options.strikes);
+    read_strikes(file, path, reader, options.strikes);
+    std::string algorithm = fracture::to_string(options.algorithm);
+    reader.text("algorithm", algorithm);
+    if (algorithm != "exact" && algorithm != "sequential")
+        throw reader.failure("algorithm", "expected \"exact\" or \"sequential\", found " + shown(algorithm));
+    options.algorithm = algorithm == "exact" ? fracture::Algorithm::exact : fracture::Algorithm::sequential;
+    reader.number("min_volume", options.min_volume, 0.0, 1e90);
+    read_roughness(reader, options);
+}
+
+void read_scale(JsonReader& reader, glm::dvec3& scale) {
+    const Json* value = reader.find("scale");
+    if (!value) return;
+    scale = value->is_array() ? reader.vector_of("scale", *value)
+                              : glm::dvec3(reader.number_of("scale", *value, 1e-9, 1e9));
+    for (int axis = 0; axis < 3; ++axis)
+        if (!(std::abs(scale[axis]) >= 1e-9 && std::abs(scale[axis]) <= 1e9))
+            reader.fail("scale", "a factor, or three of them, none of which is 0", *value);
+}
+
+void check_body(const JsonReader& reader, const SceneObject& object, bool says_breakable) {
+    const WorldOptions& world = object.recipe.world;
+    if (object.fixed
+        && (world.bonded || world.anchored || object.shattered || says_breakable || !world.anchors.empty()))
+        throw reader.failure("fixed", "a fixed object neither moves nor breaks; leave bonded, anchored, anchors, "
+                                      "breakable and shattered out, or hold it by \"anchored\": true instead");
+    if (object.shattered && (world.bonded || world.anchored || !world.anchors.empty()))
+        throw reader.failure("shattered", "the pieces of a shattered object are loose; leave bonded, anchored and "
+                                          "anchors out");
+}
+
+void read_object(const std::filesystem::path& file, const std::string& path, JsonReader& reader, SceneObject& object) {
+    read_fracture(file, path, reader, object.recipe);
+    reader.vector("translation", object.placement.translation);
+    reader.vector("rotation", object.placement.rotation);
+    read_scale(reader, object.placement.scale);
+    reader.flag("fixed", object.fixed);
+    reader.flag("shattered", object.shattered);
+    read_body(file, path, reader, object.recipe.world);
+    const Json* breakable = reader.find("breakable");
+    check_body(reader, object, breakable && breakable->is_boolean() && breakable->get<bool>());
+    if (object.recipe.mesh.empty()) throw reader.failure("mesh", "expected a mesh file or shape:NAME");
+    reader.refuse_unknown_keys();
+}
+
+// "vase", "vase 2", "vase 3" ...
+std::string free_name(const std::string& wanted, const std::set<std::string>& taken) {
+    std::string name = wanted;
+    for (int number = 2; taken.contains(name); ++number) name = wanted + " " + std::to_string(number);
+    return name;
+}
+
+void read_objects(const std::filesystem::path& file, const std::string& path, JsonReader& reader,
+                  FractureOptions& scene) {
+    const Json* list = reader.find("objects");
+    if (!list || !list->is_array() || list->empty() || list->size() > max_objects)
+        reader.fail("objects", "1 to " + std::to_string(max_objects) + " objects [{ }, ...]", list ? *list : Json());
+    scene.objects.clear();
+    std::set<std::string> names;
+    for (size_t k = 0; k < list->size(); ++k) {
+        const std::string own = path + "/objects/" + std::to_string(k);
+        JsonReader inner(file, (*list)[k], own);
+        SceneObject object;
+        inner.text("name", object.name);
+        try {
+            read_object(file, own, inner, object);
+        } catch (const Failure& failure) {
+            if (object.name.empty()) throw;
+            throw Failure(failure.code(), failure.what() + std::string(" (object ") + shown(object.name) + ")");
+        }
+        if (object.name.empty())
+            object.name = free_name(mesh_name(object.recipe.mesh), names);
+        else if (names.contains(object.name))
+            throw inner.failure("name", "there is another object " + shown(object.name) + "; names are unique");
+        names.insert(object.name);
+        scene.objects.push_back(std::move(object));
+    }
+}
+
+} // namespace
+
+void read_recipe(const std::filesystem::path& file, const Json& json, const std::string& path,
+                 FractureOptions& options) {
+    JsonReader reader(file, json, path);
+    int written_for = 0;
+    reader.whole("brittle", written_for, 0, INT32_MAX);
+    if (written_for != version && written_for != scene_version)
+        throw reader.failure("brittle", "expected the recipe's version, which is " + std::to_string(version)
+                                            + " for one mesh and " + std::to_string(scene_version) + " for a scene");
+    const bool scene = written_for == scene_version;
+    options.objects.clear();
+    if (scene) options.units = LengthUnit::metre;
+    read_units(reader, options.units);
+    if (scene)
+        read_objects(file, path, reader, options);
+    else
+        read_fracture(file, path, reader, options);
     if (const Json* world = reader.find("world")) {
         JsonReader inner(file, *world, path + "/world");
+        if (!scene) {
+            read_body(file, path + "/world", inner, options.world);
+            inner.number("height", options.world.height, 0.0, 100.0);
+        }
         read_world(file, path + "/world", inner, options.world);
         inner.refuse_unknown_keys();
     }
@@ -496,31 +419,37 @@ void read_recipe(const std::filesystem::path& file, const Json& json, const std:
         read_picture(inner, options.picture);
         inner.refuse_unknown_keys();
     }
-    std::string algorithm = fracture::to_string(options.algorithm);
-    reader.text("algorithm", algorithm);
-    if (algorithm != "exact" && algorithm != "sequential")
-        throw reader.failure("algorithm", "expected \"exact\" or \"sequential\", found " + shown(algorithm));
-    options.algorithm = algorithm == "exact" ? fracture::Algorithm::exact : fracture::Algorithm::sequential;
-    reader.number("min_volume", options.min_volume, 0.0, 1e90);
-    read_roughness(reader, options);
     reader.refuse_unknown_keys();
 }
 
+namespace {
+
+// Calls visit for each path of a file in the options.
+template<class Options, class Visit>
+void visit_files(Options& options, Visit visit) {
+    visit(options.mesh);
+    visit(options.sites_file);
+    for (auto& object : options.objects) visit_files(object.recipe, visit);
+}
+
+} // namespace
+
 Json recipe_object(const FractureOptions& options, const std::filesystem::path& folder) {
     FractureOptions relative = options;
-    for (std::string* path : {&relative.mesh, &relative.sites_file}) {
-        if (path->empty() || path->starts_with(shape_prefix) || std::filesystem::path(*path).is_absolute()) continue;
-        *path = std::filesystem::proximate(std::filesystem::absolute(*path), folder).string();
-    }
+    visit_files(relative, [&](std::string& path) {
+        if (path.empty() || path.starts_with(shape_prefix) || std::filesystem::path(path).is_absolute()) return;
+        path = std::filesystem::proximate(std::filesystem::absolute(path), folder).string();
+    });
     return recipe_object(relative);
 }
 
 void write_recipe(const std::filesystem::path& file, const FractureOptions& options) {
     const Json recipe = recipe_object(options, std::filesystem::absolute(file).parent_path());
-    for (const std::string& name : {options.mesh, options.sites_file})
+    visit_files(options, [&](const std::string& name) {
         if (!is_utf8(name))
             throw Failure(exit_output, file.string() + ": a recipe cannot name a file whose name is not UTF-8: "
                                            + fracture::printable(name) + "; rename that file");
+    });
     const std::string text = text_of(recipe, 2) + "\n";
     must(fracture::write_file_atomically(file, std::as_bytes(std::span(text))));
 }

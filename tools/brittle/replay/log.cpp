@@ -119,8 +119,7 @@ class LogReader {
             uint32_t job = 0;
             required_whole(inner, "job", job, UINT32_MAX);
             inner.refuse_unknown_keys();
-            if (!log_.recipe.world.breakable)
-                throw reader.failure("commit", "a commit needs a recipe whose world is breakable");
+            if (!may_break()) throw reader.failure("commit", "a commit needs a recipe whose world is breakable");
             log_.commits.push_back({after + 1, job});
         } else if (reader.find("after")) {
             log_.actions.emplace_back(step_now(reader, "after"), Action{});
@@ -138,7 +137,8 @@ class LogReader {
     }
 
     // Exclusive limit of the piece numbers in actions. In a breakable world new pieces may have any number.
-    [[nodiscard]] size_t piece_numbers() const { return log_.recipe.world.breakable ? UINT32_MAX : log_.pieces; }
+    [[nodiscard]] size_t piece_numbers() const { return may_break() ? UINT32_MAX : log_.pieces; }
+    [[nodiscard]] bool may_break() const { return log_.recipe.world.breakable || is_scene(log_.recipe); }
 
     // Reads a number of steps, which must be that of the last state read.
     uint64_t step_now(JsonReader& reader, const char* key) {

@@ -3,7 +3,6 @@
 #include <cstdio>
 #include <vector>
 
-#include "fracture/pieces/certificate.h"
 #include "tools/brittle/base/environment.h"
 #include "tools/brittle/recipe/json_reader.h"
 #include "tools/brittle/replay/body_text.h"
@@ -38,14 +37,14 @@ std::string describe(const Simulation& simulation, uint64_t index) {
 
 Player::Player(const ReplayLog& log) : log_(log) {}
 
-void Player::started(const Simulation& simulation, const fracture::Fragments& fragments, const WorldOptions&) {
+void Player::started(const Simulation& simulation, std::span<const PreparedObject> objects, const WorldOptions&) {
     compared_ = 0;
     checks_ = {};
     difference_.reset();
-    if (fragments.pieces.size() != log_.pieces)
+    if (simulation.piece_count() != log_.pieces)
         difference_ = {0, std::to_string(log_.pieces) + " pieces were recorded, but the recipe now gives "
-                              + std::to_string(fragments.pieces.size())};
-    else if (const uint64_t hash = fracture::hash(fragments); hash != log_.pieces_hash)
+                              + std::to_string(simulation.piece_count())};
+    else if (const uint64_t hash = pieces_hash(objects); hash != log_.pieces_hash)
         difference_ = {0, "the pieces are not those recorded: hash " + hash_text(hash) + " instead of "
                               + hash_text(log_.pieces_hash)};
     compare(simulation);

@@ -35,7 +35,7 @@ class Player : public SimulationObserver {
     [[nodiscard]] bool done() const { return compared_ >= log_.states.size(); }
     [[nodiscard]] const std::optional<Difference>& difference() const { return difference_; }
 
-    void started(const Simulation& simulation, const fracture::Fragments& fragments,
+    void started(const Simulation& simulation, std::span<const PreparedObject> objects,
                  const WorldOptions& world) override;
     void stepped(const Simulation& simulation) override;
 

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "fracture/io/atomic_file.h"
-#include "fracture/pieces/certificate.h"
 #include "tools/brittle/base/environment.h"
 #include "tools/brittle/base/failure.h"
 #include "tools/brittle/base/interrupt.h"
@@ -41,11 +40,12 @@ std::string Recorder::text(const std::filesystem::path& file, const std::string&
     return header_line(header_, std::filesystem::absolute(file).parent_path()) + text_ + end_line(steps_, end);
 }
 
-void Recorder::started(const Simulation& simulation, const fracture::Fragments& fragments, const WorldOptions& world) {
+void Recorder::started(const Simulation& simulation, std::span<const PreparedObject> objects,
+                       const WorldOptions& world) {
     header_ = {.build = environment(),
                .step_seconds = static_cast<double>(simulation.world().settings().step),
-               .pieces = fragments.pieces.size(),
-               .pieces_hash = fracture::hash(fragments),
+               .pieces = simulation.piece_count(),
+               .pieces_hash = pieces_hash(objects),
                .recipe = options_};
     header_.recipe.world = world;
     header_.recipe.world.shots.clear();

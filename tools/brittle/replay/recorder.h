@@ -43,7 +43,7 @@ class Recorder : public SimulationObserver {
     // started.
     void save(const std::filesystem::path& file) const;
 
-    void started(const Simulation& simulation, const fracture::Fragments& fragments,
+    void started(const Simulation& simulation, std::span<const PreparedObject> objects,
                  const WorldOptions& world) override;
     void acted(uint64_t step, const Action& action) override;
     void stepped(const Simulation& simulation) override;

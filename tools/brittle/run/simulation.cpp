@@ -28,9 +28,7 @@ constexpr float grab_rate = 10.0f;          // 1/s, approach speed by distance; 
 constexpr float grab_acceleration = 150.0f; // m/s^2, limit; below it, pieces that hang from a fast hand are lost
 constexpr float grab_damping = 4.0f;        // 1/s, of angular velocity
 
-constexpr int shot_detail = 1;         // subdivisions of the icosahedron of a ball that is shot
-constexpr double anchor_height = 0.01; // m above the ground: WorldOptions::anchored holds pieces that reach below it
-constexpr double anchor_depth = 1.0;   // m below the ground, the lower end of that region
+constexpr int shot_detail = 1;                             // subdivisions of the icosahedron of a ball that is shot
 [[maybe_unused]] constexpr size_t any_number = UINT32_MAX; // accepts numbers of pieces that do not exist yet
 
 double hammer_energy(double impulse) {
@@ -43,76 +41,7 @@ double hammer_force(double impulse) {
     return impulse / static_cast<double>(physics::impact_seconds);
 }
 
-physics::Material plain_material(const physics::MaterialPreset* preset) {
-    return preset ? preset->material : physics::Material{};
-}
-
-physics::Material flawed_material(const physics::MaterialPreset* preset, const WorldOptions& options) {
-    return physics::scale_strength(plain_material(preset),
-                                   physics::flawed_strength * static_cast<float>(options.strength));
-}
-
-std::vector<physics::AnchorRegion> anchor_regions(const fracture::Fragments& fragments, const WorldOptions& options) {
-    std::vector<physics::AnchorRegion> regions;
-    if (options.anchored) {
-        fracture::Box box = fracture::bounds(fragments.positions);
-        box.max.y = anchor_height;
-        box.min.y = -anchor_depth;
-        regions.push_back(box);
-    }
-    for (const Anchor& anchor : options.anchors)
-        regions.push_back(physics::Ball{anchor.at + glm::dvec3(0.0, foot_height(options), 0.0), anchor.radius});
-    return regions;
-}
-
-physics::StructureDesc structure_desc(const fracture::Fragments& fragments, const physics::MaterialPreset* preset,
-                                      const WorldOptions& options) {
-    physics::StructureDesc desc{.material = flawed_material(preset, options)};
-    desc.wear.strength_scale /= physics::flawed_strength; // a share of handbook strength; the material is scaled
-    desc.anchored = physics::anchor_to(fragments, anchor_regions(fragments, options));
-    return desc;
-}
-
-physics::BreakableDesc breakable_desc(const fracture::Fragments& fragments, const physics::MaterialPreset* preset,
-                                      const WorldOptions& options, const physics::PayloadMaker& payload) {
-    physics::BreakableDesc desc;
-    desc.solid.material = flawed_material(preset, options);
-    desc.solid.blocks.strength_scale /= physics::flawed_strength; // as WearSettings::strength_scale
-    desc.solid.min_size = options.min_size;
-    desc.solid.rough = options.rough;
-    desc.payload = payload;
-    desc.pattern.seed = options.seed;
-    if (options.blows) {
-        desc.pattern.kind = options.blows->kind;
-        desc.pattern.slenderness = options.blows->slenderness;
-        desc.pattern.diagram = options.blows->diagram;
-        desc.pattern.placement = options.blows->placement;
-    } else if (preset) {
-        const bool laid = preset->pattern.kind == fracture::PatternKind::bricks && !starts_whole(options);
-        desc.pattern.kind = laid ? fracture::PatternKind::uniform : preset->pattern.kind; // a single brick crumbles
-        desc.pattern.slenderness = preset->pattern.slenderness;
-    }
-    desc.pattern.bond = physics::fitted(options.bond, fracture::bounds(fragments.positions));
-    desc.max_pieces = options.blow_pieces;
-    desc.solid.anchors = anchor_regions(fragments, options);
-    return desc;
-}
-
 } // namespace
-
-PreparedBodies prepare_bodies(const fracture::Fragments& fragments, const WorldOptions& options,
-                              const std::string& material, const physics::PayloadMaker& payload, uint32_t threads) {
-    PreparedBodies ahead;
-    if (options.breakable) {
-        const physics::BreakableDesc desc =
-            breakable_desc(fragments, physics::material_preset(material), options, payload);
-        ahead.solids = must(physics::solids_of(fragments, desc.solid, !options.bonded, threads));
-        ahead.payloads = physics::payloads_of(ahead.solids, desc.payload, threads);
-    } else {
-        ahead.hulls = physics::collision_hulls(fragments, {}, threads);
-    }
-    return ahead;
-}
 
 Simulation::Simulation(const std::string& material, physics::PayloadMaker payload)
     : material_(physics::material_preset(material)), payload_(std::move(payload)) {}
@@ -127,7 +56,8 @@ void Simulation::clear() {
     structure_.reset();
     loose_.clear();
     destruction_.reset();
-    object_ = {};
+    members_.clear();
+    first_objects_.clear();
     balls_.clear();
     scheduled_.clear();
     grabbed_.reset();
@@ -137,47 +67,93 @@ void Simulation::clear() {
 }
 
 void Simulation::start(const fracture::Fragments& fragments, const WorldOptions& options) {
-    start(fragments, options,
-          prepare_bodies(fragments, options, std::string(material_ ? material_->name : ""), payload_));
+    PreparedObject object{.fragments = {std::shared_ptr<const fracture::Fragments>(), &fragments},
+                          .world = options,
+                          .material = std::string(material_ ? material_->name : "")};
+    prepare(object, payload_);
+    start(std::move(object));
 }
 
-void Simulation::start(const fracture::Fragments& fragments, const WorldOptions& options, PreparedBodies ahead) {
+void Simulation::start_world(const WorldOptions& options) {
     clear();
     physics::WorldSettings settings = world_.settings();
     settings.engine = options.engine;
     settings.air_density = static_cast<float>(options.air_density);
     settings.max_colliding = options.max_colliding;
     world_.clear(settings);
-    if (options.breakable) {
-        start_breakable(fragments, options, ahead);
-    } else if (holds_together(options)) {
-        physics::StructureDesc desc = structure_desc(fragments, material_, options);
-        desc.hulls = std::move(ahead.hulls);
-        structure_ = must(physics::Structure::create(world_, fragments, desc));
-    } else {
-        loose_ = must(physics::add_pieces(world_, fragments, plain_material(material_), {}, ahead.hulls));
+}
+
+// An object that never breaks needs no destruction.
+void Simulation::start(PreparedObject object) {
+    const WorldOptions options = object.world;
+    if (object.world.breakable) {
+        std::vector<PreparedObject> objects;
+        objects.push_back(std::move(object));
+        return start(std::move(objects), options);
     }
-    pieces_ = fragments.pieces.size();
-    start_joints(fragments, options);
-    if (observer_) observer_->started(*this, fragments, options);
+    start_world(options);
+    members_.push_back({object.name, material_});
+    if (holds_together(options)) {
+        physics::StructureDesc desc = structure_desc(object);
+        desc.hulls = std::move(object.bodies.hulls);
+        structure_ = must(physics::Structure::create(world_, *object.fragments, desc));
+    } else {
+        loose_ =
+            must(physics::add_pieces(world_, *object.fragments, plain_material(material_), {}, object.bodies.hulls));
+    }
+    pieces_ = object.fragments->pieces.size();
+    run_from({&object, 1}, options);
+}
+
+void Simulation::start(std::vector<PreparedObject> objects, const WorldOptions& world) {
+    start_world(world);
+    destruction_.emplace(physics::DestructionSettings{.timing = timing_, .debris = {.max_pieces = world.piece_limit}});
+    destruction_->follow(script_);
+    for (PreparedObject& object : objects) {
+        try {
+            add_breakable(object);
+        } catch (const Failure& failure) {
+            if (object.name.empty()) throw;
+            throw Failure(failure.code(), object.name + ": " + failure.what());
+        }
+    }
+    pieces_ = destruction_->pieces().size();
+    run_from(objects, world);
+}
+
+void Simulation::run_from(std::span<const PreparedObject> objects, const WorldOptions& options) {
+    start_joints(objects, options);
+    if (observer_) observer_->started(*this, objects, options);
     for (const Shot& shot : options.shots)
         schedule(static_cast<uint64_t>(std::llround(shot.time / static_cast<double>(world_.settings().step))),
                  Shoot{shot.from, shot.velocity, shot.radius, shot.density});
 }
 
-void Simulation::start_breakable(const fracture::Fragments& fragments, const WorldOptions& options,
-                                 PreparedBodies& ahead) {
-    destruction_.emplace(
-        physics::DestructionSettings{.timing = timing_, .debris = {.max_pieces = options.piece_limit}});
-    destruction_->follow(script_);
-    const physics::BreakableDesc desc = breakable_desc(fragments, material_, options, payload_);
-    if (options.bonded) {
-        object_ = must(destruction_->add(world_, fragments, structure_desc(fragments, material_, options), desc,
-                                         ahead.solids, std::move(ahead.payloads)));
-        return;
+void Simulation::add_breakable(PreparedObject& object) {
+    const physics::BreakableDesc desc = breakable_desc(object, payload_);
+    std::vector<physics::PayloadPtr>& payloads = object.bodies.payloads;
+    members_.push_back({object.name, physics::material_preset(object.material), object.placement, object.fixed()});
+    std::optional<physics::ObjectId> first;
+    if (object.world.bonded) {
+        first = must(destruction_->add(world_, *object.fragments, structure_desc(object), desc, object.bodies.solids,
+                                       std::move(payloads)));
+    } else {
+        for (size_t i = 0; i < object.bodies.solids.size(); ++i) {
+            const physics::ObjectId added =
+                must(destruction_->add(world_, object.bodies.solids[i], desc, std::move(payloads[i])));
+            if (!first) first = added;
+        }
     }
-    for (size_t i = 0; i < ahead.solids.size(); ++i)
-        (void)must(destruction_->add(world_, ahead.solids[i], desc, std::move(ahead.payloads[i])));
+    first_objects_.push_back(first.value_or(physics::ObjectId{}));
+}
+
+uint32_t Simulation::member_of(uint32_t piece) const {
+    return destruction_ ? member_of(destruction_->object({piece})) : 0;
+}
+
+uint32_t Simulation::member_of(physics::ObjectId object) const {
+    const auto after = std::ranges::upper_bound(first_objects_, object);
+    return static_cast<uint32_t>(after - first_objects_.begin()) - 1;
 }
 
 void Simulation::apply(const Action& action) {
@@ -254,14 +230,34 @@ uint32_t Simulation::number_count() const {
     return destruction_ ? destruction_->next_piece().value : static_cast<uint32_t>(pieces_);
 }
 
-const physics::Structure* Simulation::structure() const {
-    if (destruction_) return destruction_->structure(object_);
-    return structure_ ? &*structure_ : nullptr;
+template<class Self>
+auto Simulation::structures_of(Self& self) -> std::vector<decltype(&*self.structure_)> {
+    std::vector<decltype(&*self.structure_)> found;
+    if (self.structure_) found.push_back(&*self.structure_);
+    for (const physics::ObjectId object : self.first_objects_)
+        if (auto* structure = self.destruction_->structure(object)) found.push_back(structure);
+    return found;
 }
 
-physics::Structure* Simulation::bonded() {
-    if (destruction_) return destruction_->structure(object_);
-    return structure_ ? &*structure_ : nullptr;
+template<class Self>
+auto Simulation::structure_of(Self& self, uint32_t piece) -> decltype(&*self.structure_) {
+    if (self.structure_) return &*self.structure_;
+    if (!self.destruction_ || !self.destruction_->contains({piece}) || !self.destruction_->bonded({piece}))
+        return nullptr;
+    return self.destruction_->structure(self.destruction_->object({piece}));
+}
+
+uint32_t Simulation::index_in_structure(uint32_t piece) const {
+    return structure_ ? piece : *destruction_->bonded({piece});
+}
+
+std::vector<const physics::Structure*> Simulation::structures() const {
+    return structures_of(*this);
+}
+
+const physics::Structure* Simulation::structure() const {
+    const std::vector<const physics::Structure*> all = structures();
+    return all.empty() ? nullptr : all.front();
 }
 
 BodyId Simulation::body_of(uint32_t piece) const {
@@ -283,12 +279,9 @@ std::vector<uint32_t> Simulation::pieces_of(BodyId body) const {
 
 Pose Simulation::pose_of(uint32_t piece) const {
     Pose pose = world_.pose(body_of(piece));
-    if (is_bonded(piece)) pose.position += pose.orientation * structure()->offset(piece);
+    if (const physics::Structure* structure = structure_of(*this, piece))
+        pose.position += pose.orientation * structure->offset(index_in_structure(piece));
     return pose;
-}
-
-bool Simulation::is_bonded(uint32_t piece) const {
-    return destruction_ ? destruction_->contains({piece}) && destruction_->bonded({piece}) : structure_.has_value();
 }
 
 void Simulation::act(const Shoot& shot) {
@@ -297,20 +290,21 @@ void Simulation::act(const Shoot& shot) {
 }
 
 void Simulation::act(const Damage& damage) {
-    if (physics::Structure* structure = bonded())
+    for (physics::Structure* structure : structures_of(*this))
         structure->damage(world_, glm::vec3(damage.point), static_cast<float>(damage.radius),
                           static_cast<float>(damage.amount));
 }
 
 void Simulation::act(const Saw& saw) {
-    if (physics::Structure* structure = bonded())
+    for (physics::Structure* structure : structures_of(*this))
         structure->damage_segment(world_, glm::vec3(saw.from), glm::vec3(saw.to), static_cast<float>(saw.radius),
                                   static_cast<float>(saw.amount));
 }
 
 void Simulation::act(const Hammer& blow) {
     if (body_of(blow.piece) == BodyId{}) return;
-    if (is_bonded(blow.piece)) bonded()->blow(world_, blow.piece, glm::vec3(blow.impulse));
+    if (physics::Structure* structure = structure_of(*this, blow.piece))
+        structure->blow(world_, index_in_structure(blow.piece), glm::vec3(blow.impulse));
     const double impulse = glm::length(blow.impulse);
     if (!destruction_) return;
     destruction_->strike(world_, {blow.piece}, glm::vec3(blow.point), glm::vec3(blow.impulse / impulse),
@@ -325,12 +319,14 @@ std::optional<physics::PlannedCut> Simulation::foresee(const Hammer& blow) const
 }
 
 void Simulation::act(const Release& release) {
-    physics::Structure* structure = bonded();
-    if (!structure) return;
     std::vector<uint32_t> pieces = release.pieces;
     for (uint32_t piece = 0; release.pieces.empty() && piece < pieces_; ++piece) pieces.push_back(piece);
-    std::erase_if(pieces, [&](uint32_t piece) { return !is_bonded(piece); });
-    structure->release_anchors(pieces);
+    for (physics::Structure* structure : structures_of(*this)) {
+        std::vector<uint32_t> own;
+        for (const uint32_t piece : pieces)
+            if (structure_of(*this, piece) == structure) own.push_back(index_in_structure(piece));
+        structure->release_anchors(own);
+    }
 }
 
 void Simulation::act(const Push& push) {

@@ -2,8 +2,9 @@
 // device: a Stage draws a simulation, replay logs record and repeat one (replay/), tests run one alone.
 //
 //     Simulation simulation("stone");
-//     PreparedBodies bodies = prepare_bodies(broken.fragments, world_of(options), "stone");   // on any thread
-//     simulation.start(broken.fragments, world_of(options), std::move(bodies));
+//     PreparedObject object{.fragments = fragments, .world = world_of(options), .material = "stone"};
+//     prepare(object);                                                                        // on any thread
+//     simulation.start(std::move(object));
 //     simulation.apply(Shoot{.from = eye, .velocity = 14.0 * direction});
 //     each frame: float alpha = simulation.advance(seconds); simulation.visit_poses(alpha, 0, write);
 //
@@ -38,6 +39,7 @@
 #include "physics/world/world.h"
 #include "tools/brittle/recipe/world_options.h"
 #include "tools/brittle/run/action.h"
+#include "tools/brittle/run/prepared_object.h"
 
 namespace brittle::tools {
 
@@ -48,7 +50,7 @@ class SimulationObserver {
   public:
     virtual ~SimulationObserver() = default;
     // The pieces have bodies; nothing has moved, and no action has taken effect.
-    virtual void started(const Simulation&, const fracture::Fragments&, const WorldOptions&) {}
+    virtual void started(const Simulation&, std::span<const PreparedObject>, const WorldOptions&) {}
     // The world has taken a step; bonds have not responded to it yet.
     virtual void moved(const Simulation&) {}
     // Bonds have broken, bodies have split and cuts have been committed. The changes are empty for breakable pieces.
@@ -60,33 +62,24 @@ class SimulationObserver {
     virtual void acted(uint64_t, const Action&) {}
 };
 
-// The part of a start that costs milliseconds: a hull a piece, or for breakable pieces a solid and a payload a piece.
-struct PreparedBodies {
-    physics::PieceHulls hulls;
-    std::vector<physics::SolidPtr> solids;
-    std::vector<physics::PayloadPtr> payloads;
-};
-
-// Callable on any thread. `material` and `payload` must be the simulation's. threads: 0 is one a core. Throws a
-// Failure.
-[[nodiscard]] PreparedBodies prepare_bodies(const fracture::Fragments& fragments, const WorldOptions& options,
-                                            const std::string& material, const physics::PayloadMaker& payload = {},
-                                            uint32_t threads = 0);
-
 class Simulation {
   public:
-    // `material` is a preset's name, or empty. `payload` makes what take_events() hands over with each piece.
+    // `material` is a preset's name, or empty: of a start from fragments. `payload` makes what take_events() hands over
+    // with each piece.
     explicit Simulation(const std::string& material = {}, physics::PayloadMaker payload = {});
 
     // Sets when cuts are committed from the next start on. The default, fixed_latency, repeats by itself; a window uses
     // when_ready; a replay uses scripted, with the commits of its log. See destruction.h.
     void commit_as(physics::Timing timing, std::vector<physics::Commit> script = {});
 
-    // Starts a new run from the fragments' places, at step 0, and clears the previous run. The options decide on bonds,
-    // anchors, joints and breakability, and their shots are scheduled. `ahead` is the result of prepare_bodies() for
-    // these fragments and options. Throws a Failure for a piece that cannot be a body.
-    void start(const fracture::Fragments& fragments, const WorldOptions& options, PreparedBodies ahead);
-    void start(const fracture::Fragments& fragments, const WorldOptions& options);
+    // Starts a new run from the places of a prepared object, at step 0, and clears the previous run. Its options decide
+    // on bonds, anchors, joints and breakability, and their shots are scheduled. Throws a Failure for a piece that
+    // cannot be a body.
+    void start(PreparedObject object);
+    void start(const fracture::Fragments& fragments, const WorldOptions& options); // prepares them, too
+    // Starts a run of several objects. Of `world`, the members count that concern no single object; of the objects'
+    // options, the others. Pieces are numbered object by object.
+    void start(std::vector<PreparedObject> objects, const WorldOptions& world);
     // Empties the world; the observer stays.
     void clear();
     [[nodiscard]] bool running() const { return world_.body_count() > 0; }
@@ -136,9 +129,23 @@ class Simulation {
     [[nodiscard]] uint64_t state_hash() const;
 
     [[nodiscard]] const physics::World& world() const { return world_; }
-    [[nodiscard]] const physics::Structure* structure() const; // null without bonds
+    // The bonds of the first object that has some; null without.
+    [[nodiscard]] const physics::Structure* structure() const;
+    [[nodiscard]] std::vector<const physics::Structure*> structures() const; // of all objects that have bonds
     [[nodiscard]] const physics::Destruction* destruction() const { return destruction_ ? &*destruction_ : nullptr; }
-    [[nodiscard]] const physics::MaterialPreset* material() const { return material_; }
+    [[nodiscard]] const physics::MaterialPreset* material() const { return material_; } // of the first object
+
+    // An object of the run.
+    struct Member {
+        std::string name;
+        const physics::MaterialPreset* material = nullptr;
+        physics::Pose placement{}; // at the start
+        bool fixed = false;
+    };
+    [[nodiscard]] std::span<const Member> members() const { return members_; } // one, or those of a scene
+    // The index of the object that a piece belongs to. Precondition: the piece is there.
+    [[nodiscard]] uint32_t member_of(uint32_t piece) const;
+    [[nodiscard]] uint32_t member_of(physics::ObjectId object) const; // in a breakable world
 
   private:
     struct Grabbed {
@@ -152,17 +159,22 @@ class Simulation {
         JointOptions options;
         std::optional<uint32_t> a{}, b{}; // none: a ball; the world
     };
-    void start_joints(const fracture::Fragments& fragments, const WorldOptions& options);
+    void start_joints(std::span<const PreparedObject> objects, const WorldOptions& options);
     void join(const PlacedJoint& joint, physics::BodyId a);
     void join_shot(const glm::dvec3& at);
-    [[nodiscard]] std::optional<uint32_t> nearest_piece(const fracture::Fragments& fragments, const glm::dvec3& at,
+    [[nodiscard]] std::optional<uint32_t> nearest_piece(std::span<const PreparedObject> objects, const glm::dvec3& at,
                                                         physics::BodyId not_of) const;
     physics::BodyId add_ball(const glm::dvec3& at, const glm::dvec3& velocity, double radius, double density,
                              int detail);
 
-    [[nodiscard]] physics::Structure* bonded();
-    [[nodiscard]] bool is_bonded(uint32_t piece) const;
-    void start_breakable(const fracture::Fragments& fragments, const WorldOptions& options, PreparedBodies& ahead);
+    template<class Self>
+    static auto structures_of(Self& self) -> std::vector<decltype(&*self.structure_)>;
+    template<class Self>
+    static auto structure_of(Self& self, uint32_t piece) -> decltype(&*self.structure_); // null for a piece outside
+    [[nodiscard]] uint32_t index_in_structure(uint32_t piece) const;                     // precondition: it is in one
+    void start_world(const WorldOptions& options);
+    void add_breakable(PreparedObject& object);
+    void run_from(std::span<const PreparedObject> objects, const WorldOptions& options);
     void after_step();
     void apply_due();
     void pull_grabbed();
@@ -187,7 +199,8 @@ class Simulation {
     std::optional<physics::Structure> structure_;
     std::vector<physics::BodyId> loose_; // by piece
     std::optional<physics::Destruction> destruction_;
-    physics::ObjectId object_; // the first object of the destruction; bonded pieces are its only one
+    std::vector<Member> members_;
+    std::vector<physics::ObjectId> first_objects_; // by member: the first object of the destruction; several may follow
     size_t pieces_ = 0;
     std::vector<Ball> balls_;
     std::vector<PlacedJoint> shot_joints_;               // of balls to come

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
 
 #include "fracture/mesh/nearest.h"
 #include "fracture/shapes/shapes.h"
@@ -40,36 +41,46 @@ physics::BodyId Simulation::add_ball(const glm::dvec3& at, const glm::dvec3& vel
 }
 
 // The piece, of a body other than `not_of`, whose convex hull is nearest to a point; the first of equally near ones.
-std::optional<uint32_t> Simulation::nearest_piece(const fracture::Fragments& fragments, const glm::dvec3& at,
+std::optional<uint32_t> Simulation::nearest_piece(std::span<const PreparedObject> objects, const glm::dvec3& at,
                                                   BodyId not_of) const {
     std::optional<uint32_t> nearest;
     double least = std::numeric_limits<double>::infinity();
-    std::vector<glm::vec3> points;
-    for (uint32_t piece = 0; piece < fragments.pieces.size(); ++piece) {
-        if (body_of(piece) == not_of || body_of(piece) == BodyId{}) continue;
-        const fracture::Range& range = fragments.pieces[piece].vertices;
+    std::vector<glm::vec3> points; // near the origin single precision is exact enough
+    uint32_t piece = 0;
+    const auto compare = [&](std::span<const glm::dvec3> positions, const glm::dvec3& from) {
+        const uint32_t own = piece++;
+        if (body_of(own) == not_of || body_of(own) == BodyId{}) return;
         points.clear();
-        for (const glm::dvec3& position : std::span(fragments.positions).subspan(range.begin, range.size()))
-            points.emplace_back(position - at); // near the origin single precision is exact enough
+        for (const glm::dvec3& position : positions) points.emplace_back(position - from);
         const double distance = fracture::distance_to_hull(points, glm::dvec3(0.0));
-        if (!(distance < least)) continue;
+        if (!(distance < least)) return;
         least = distance;
-        nearest = piece;
+        nearest = own;
+    };
+    for (const PreparedObject& object : objects) {
+        const glm::dvec3 from = glm::conjugate(glm::dquat(object.placement.orientation))
+                                * (at - glm::dvec3(object.placement.position)); // in the object's coordinates
+        if (object.fixed()) {
+            compare(object.surface->positions, from);
+            continue;
+        }
+        for (const fracture::Piece& part : object.fragments->pieces)
+            compare(object.fragments->positions_of(part), from);
     }
     return nearest;
 }
 
-void Simulation::start_joints(const fracture::Fragments& fragments, const WorldOptions& options) {
+void Simulation::start_joints(std::span<const PreparedObject> objects, const WorldOptions& options) {
     const glm::dvec3 foot(0.0, foot_height(options), 0.0);
     for (size_t i = 0; i < options.joints.size(); ++i) {
         PlacedJoint joint{.options = options.joints[i]};
         joint.options.at += foot;
         joint.options.to += foot;
         const auto body = [&](std::optional<uint32_t> piece) { return piece ? body_of(*piece) : BodyId{}; };
-        if (!joint.options.shot) joint.a = nearest_piece(fragments, joint.options.at, {});
+        if (!joint.options.shot) joint.a = nearest_piece(objects, joint.options.at, {});
         const bool distance = joint.options.kind == physics::JointKind::distance;
         if (joint.options.to_piece) {
-            joint.b = nearest_piece(fragments, distance ? joint.options.to : joint.options.at, body(joint.a));
+            joint.b = nearest_piece(objects, distance ? joint.options.to : joint.options.at, body(joint.a));
             if (!joint.b)
                 throw Failure{exit_input, "world/joints/" + std::to_string(i)
                                               + ": there is no second body to join; leave to_piece out for the world"};

@@ -26,14 +26,9 @@ uint32_t packed(const glm::vec3& linear) {
     return engine::srgb8(c.x, c.y, c.z);
 }
 
-// Returns the function that prepares the geometry of a new piece. The thread that cuts calls it; the stage takes over
-// the result when the piece appears.
-physics::PayloadMaker drawing_maker(const engine::Renderer& renderer) {
-    return [&renderer](const physics::SolidPiece& solid, const physics::SolidPiece* cut_from) {
-        auto drawing = draw_piece(solid, cut_from);
-        renderer.stage(drawing->batch);
-        return drawing;
-    };
+engine::SurfaceLook surface_look(const physics::MaterialPreset* material) {
+    if (!material) return {.tint = piece_tint_strength};
+    return {material->exterior, material->interior, material_tint_strength};
 }
 
 // Returns whether any bond loses health under its load, or might once the stresses are in balance.
@@ -48,8 +43,17 @@ bool wears(const physics::Structure& structure) {
 
 } // namespace
 
+// The stage takes over the result when the piece appears.
+physics::PayloadMaker payload_maker(const engine::Renderer& renderer) {
+    return [&renderer](const physics::SolidPiece& solid, const physics::SolidPiece* cut_from) {
+        auto drawing = draw_piece(solid, cut_from);
+        renderer.stage(drawing->batch);
+        return drawing;
+    };
+}
+
 Input placed_on_stage(Input input, const WorldOptions& world) {
-    const StagePlacement placement = placement_on_stage(input.model.mesh, world);
+    const StagePlacement placement = placement_on_stage(input.model.mesh, world, input.units);
     for (glm::dvec3& p : input.model.mesh.positions) p = placement.to_stage(p);
     for (glm::dvec3& site : input.sites) site = placement.to_stage(site);
     for (double& weight : input.weights) weight *= placement.scale * placement.scale;
@@ -68,7 +72,10 @@ engine::PieceBatch batch_of(const fracture::TriangleMesh& mesh) {
 PreparedPieces prepare_pieces(const engine::Renderer& renderer, const fracture::Fragments& fragments,
                               const WorldOptions& world, const std::string& material, uint32_t threads) {
     PreparedPieces ahead;
-    ahead.bodies = prepare_bodies(fragments, world, material, drawing_maker(renderer), threads);
+    ahead.object = {
+        .fragments = {std::shared_ptr<const fracture::Fragments>(), &fragments}, .world = world, .material = material};
+    prepare(ahead.object, payload_maker(renderer), threads);
+    ahead.object.fragments.reset();
     if (world.breakable) return ahead;
     std::vector<glm::vec3> positions(fragments.positions.size());
     std::vector<engine::PieceMesh> meshes;
@@ -97,7 +104,7 @@ Stage::Stage(engine::Renderer& renderer, const fracture::TriangleMesh& mesh, con
 Stage::Stage(engine::Renderer& renderer, const fracture::Box& box, engine::PieceBatch whole,
              const std::string& material)
     : renderer_(renderer),
-      simulation_(material, drawing_maker(renderer)), home_{glm::vec3(box.min), glm::vec3(box.max)} {
+      simulation_(material, payload_maker(renderer)), home_{glm::vec3(box.min), glm::vec3(box.max)} {
     draw_anew(std::move(whole));
 }
 
@@ -107,13 +114,41 @@ void Stage::stand(const fracture::Fragments& fragments, const WorldOptions& worl
 }
 
 void Stage::stand(const fracture::Fragments& fragments, const WorldOptions& world, PreparedPieces ahead) {
-    simulation_.start(fragments, world, std::move(ahead.bodies));
+    ahead.object.fragments = {std::shared_ptr<const fracture::Fragments>(), &fragments};
+    simulation_.start(std::move(ahead.object));
     draw_anew(std::move(ahead.batch));
     radii_ = std::move(ahead.radii);
+    surfaces_.clear();
+    surface_of_.clear();
     untinted_ = starts_whole(world);
     max_pieces_ = world.piece_limit;
     passed_watch_.reset();
     take_events();
+}
+
+void Stage::stand(std::vector<PreparedObject> objects, const WorldOptions& world) {
+    simulation_.start(std::move(objects), world);
+    draw_anew({});
+    radii_.clear();
+    untinted_ = true;
+    max_pieces_ = world.piece_limit;
+    passed_watch_.reset();
+    choose_surfaces();
+    take_events();
+}
+
+// A surface for each material of the objects; 0 for the first one's, which the look of the scene has.
+void Stage::choose_surfaces() {
+    surfaces_.clear();
+    surface_of_.clear();
+    std::vector<const physics::MaterialPreset*> known{simulation_.material()};
+    for (const Simulation::Member& member : simulation_.members()) {
+        const auto at = std::ranges::find(known, member.material);
+        surface_of_.push_back(static_cast<uint32_t>(at - known.begin()));
+        if (at != known.end()) continue;
+        known.push_back(member.material);
+        surfaces_.push_back(surface_look(member.material));
+    }
 }
 
 void Stage::shoot(const Shot& shot) {
@@ -148,12 +183,13 @@ glm::vec3 Stage::tint_of(const physics::PieceAdded& added, std::span<const physi
 // piece has, because its piece came and went between two calls, is drawn here.
 void Stage::draw(const physics::PieceAdded& added, const glm::vec3& tint, PartPool& left, FreshParts& fresh) {
     auto& drawing = static_cast<PieceDrawing&>(*added.payload);
-    const engine::PieceAttachment attachment = attachment_of(*added.solid, added.slot, tint, added.id);
-    Drawn& drawn = drawn_[added.id] = {{}, tint};
+    engine::PieceAttachment attachment = attachment_of(*added.solid, added.slot, tint, added.id);
+    if (!surface_of_.empty()) attachment.surface = surface_of_[simulation_.member_of(added.object)];
+    Drawn& drawn = drawn_[added.id] = {{}, tint, added.object};
     std::vector<engine::PieceHandle> kept;
     std::vector<fracture::ClusterBranch> missing;
     for (const fracture::ClusterBranch& branch : drawing.kept) {
-        if (const auto part = left.extract(branch.key())) {
+        if (const auto part = left.extract({added.object, branch.key()})) {
             kept.push_back(part.mapped().handle);
             drawn.parts.push_back(part.mapped());
         } else {
@@ -183,7 +219,7 @@ void Stage::take_events() {
         before[removed.id] = at->second.tint;
         for (const Part& part : at->second.parts) {
             if (part.branch)
-                left.emplace(part.branch->key(), part);
+                left.emplace(std::pair(at->second.object, part.branch->key()), part);
             else
                 gone.push_back(part.handle);
         }
@@ -240,7 +276,8 @@ bool Stage::still() const {
     if (!broken()) return true;
     const physics::Destruction* destruction = simulation_.destruction();
     if (destruction && (destruction->jobs_in_flight() > 0 || destruction->pieces().size() > max_pieces_)) return false;
-    if (const physics::Structure* structure = simulation_.structure(); structure && wears(*structure)) return false;
+    for (const physics::Structure* structure : simulation_.structures())
+        if (wears(*structure)) return false;
     return simulation_.steps() > last_awake_ + 2;
 }
 
@@ -286,12 +323,11 @@ void Stage::place(engine::Scene& scene) {
 engine::Scene Stage::scene() {
     engine::Scene scene;
     scene.bounds = home_;
-    scene.look.tint = piece_tint_strength;
-    if (const physics::MaterialPreset* material = simulation_.material()) {
-        scene.look.exterior = material->exterior;
-        scene.look.interior = material->interior;
-        scene.look.tint = material_tint_strength;
-    }
+    const engine::SurfaceLook look = surface_look(simulation_.material());
+    scene.look.exterior = look.exterior;
+    scene.look.interior = look.interior;
+    scene.look.tint = look.tint;
+    scene.surfaces = surfaces_;
     shown_spheres_ = spheres_;
     for (const Simulation::Ball& ball : simulation_.balls()) {
         shown_spheres_.push_back({world().interpolated_pose(ball.body, alpha_).position, ball.radius});

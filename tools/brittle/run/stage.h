@@ -15,7 +15,6 @@
 #include <map>
 #include <optional>
 #include <string>
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -40,7 +39,7 @@ namespace brittle::tools {
 
 // Results of the slow part of putting pieces on the stage.
 struct PreparedPieces {
-    PreparedBodies bodies;
+    PreparedObject object;    // without fragments, which stand() is given
     engine::PieceBatch batch; // geometry of a world that is not breakable
     std::vector<float> radii; // radius of each piece of `batch` around its centre of mass, m
 };
@@ -51,6 +50,9 @@ struct PreparedPieces {
                                             const WorldOptions& world, const std::string& material,
                                             uint32_t threads = 0);
 
+// Returns what makes the payloads of breakable pieces for a renderer, on any thread.
+[[nodiscard]] physics::PayloadMaker payload_maker(const engine::Renderer& renderer);
+
 class Stage {
   public:
     // Shows the unbroken mesh, or a batch made from it, in its box. The renderer must outlive the stage. `material` is
@@ -58,6 +60,8 @@ class Stage {
     Stage(engine::Renderer& renderer, const fracture::TriangleMesh& mesh, const std::string& material = {});
     Stage(engine::Renderer& renderer, const fracture::Box& box, engine::PieceBatch whole,
           const std::string& material = {});
+    // Shows nothing until stand(). `home`: the bounds that home_bounds() returns.
+    Stage(engine::Renderer& renderer, const fracture::Box& home) : Stage(renderer, home, {}) {}
 
     // Replaces the unbroken mesh by unbonded pieces, which fall from their places.
     void shatter(const fracture::Fragments& fragments) { stand(fragments, {}); }
@@ -65,6 +69,9 @@ class Stage {
     // shots. `ahead` must belong to these fragments and options.
     void stand(const fracture::Fragments& fragments, const WorldOptions& world);
     void stand(const fracture::Fragments& fragments, const WorldOptions& world, PreparedPieces ahead);
+    // Empties the stage and puts several prepared objects on it (Simulation::start()). Their payloads must be of
+    // payload_maker().
+    void stand(std::vector<PreparedObject> objects, const WorldOptions& world);
     // Shoots a ball at once, whatever the time of the shot. No effect while the mesh is whole.
     void shoot(const Shot& shot);
 
@@ -102,7 +109,8 @@ class Stage {
         std::optional<fracture::ClusterBranch> branch;
         engine::PieceHandle handle;
     };
-    using PartPool = std::unordered_map<const void*, Part>; // by ClusterBranch::key()
+    // By object and ClusterBranch::key(): objects of one mesh share clusters.
+    using PartPool = std::map<std::pair<physics::ObjectId, const void*>, Part>;
     // Parts that are to be added.
     struct FreshParts {
         std::vector<engine::PieceBatch> batches;
@@ -113,6 +121,7 @@ class Stage {
     [[nodiscard]] glm::vec3 tint_of(const physics::PieceAdded& added, std::span<const physics::PieceAdded> all,
                                     const std::map<physics::PieceId, glm::vec3>& before) const;
     void place(engine::Scene& scene);
+    void choose_surfaces();
 
     engine::Renderer& renderer_;
     Simulation simulation_;
@@ -121,8 +130,11 @@ class Stage {
     struct Drawn {
         std::vector<Part> parts;
         glm::vec3 tint;
+        physics::ObjectId object;
     };
-    std::map<physics::PieceId, Drawn> drawn_; // pieces of a breakable world
+    std::map<physics::PieceId, Drawn> drawn_;   // pieces of a breakable world
+    std::vector<engine::SurfaceLook> surfaces_; // of the scene
+    std::vector<uint32_t> surface_of_;          // by object of the simulation: PieceAttachment::surface
     bool untinted_ = false;      // uncut pieces keep the look of the unbroken mesh: the world started whole
     size_t max_pieces_ = 0;      // limit beyond which debris is removed
     uint64_t moment_ = 0;        // number of the scene's pose state: moment_before_ + steps

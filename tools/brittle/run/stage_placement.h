@@ -1,9 +1,11 @@
-// Placement of a mesh on the stage: scaled so that its longest side is 2 m, centred, and on the ground or above it.
+// Placement of a mesh on the stage: scaled so that its longest side is 2 m, or by the unit of its file; centred, and on
+// the ground or above it.
 #pragma once
 
 #include <glm/vec3.hpp>
 
 #include "fracture/mesh/mesh.h"
+#include "tools/brittle/recipe/input.h"
 #include "tools/brittle/recipe/world_options.h"
 
 namespace brittle::tools {
@@ -22,6 +24,7 @@ struct StagePlacement {
 };
 
 // Returns the placement for a mesh and a world; the identity if the mesh has no extent.
-[[nodiscard]] StagePlacement placement_on_stage(const fracture::TriangleMesh& mesh, const WorldOptions& world = {});
+[[nodiscard]] StagePlacement placement_on_stage(const fracture::TriangleMesh& mesh, const WorldOptions& world = {},
+                                                LengthUnit units = LengthUnit::fit);
 
 } // namespace brittle::tools

@@ -206,7 +206,7 @@ LivePieces live_pieces(const Snapshot& state, const StagePlacement& placement) {
 std::vector<std::filesystem::path> write_state(const ExportSettings& settings, PiecesAs as,
                                                const FractureOptions& recipe, const Input& source,
                                                const Snapshot& state, const std::function<bool()>& cancelled) {
-    const StagePlacement placement = placement_on_stage(source.model.mesh, recipe.world);
+    const StagePlacement placement = placement_on_stage(source.model.mesh, recipe.world, source.units);
     const LivePieces live = live_pieces(state, placement);
     check_source(live.fragments, source);
     fracture::ExportOptions options = export_options(settings, recipe, source);

@@ -28,6 +28,7 @@ std::vector<uint32_t> all_triangles(const fracture::TriangleMesh& mesh) {
 
 std::shared_ptr<const Object> Object::load(const FractureOptions& options) {
     Input input = load_mesh_only(options.mesh);
+    input.units = options.units;
     prepare_mesh(options, input);
     const auto report = fracture::check_topology(input.model.mesh.positions.size(), input.model.mesh.triangles);
     if (!report.closed()) throw Failure(exit_mesh, input.name + ": " + fracture::describe(report));
@@ -41,7 +42,7 @@ std::shared_ptr<const Object> Object::placed_for(const WorldOptions& world) cons
 
 Object::Object(Input file, std::string overlap, const WorldOptions& world)
     : file_(std::move(file)), stage_(placed_on_stage(file_, world)), overlap_(std::move(overlap)), world_(world),
-      placement_(placement_on_stage(file_.model.mesh, world)),
+      placement_(placement_on_stage(file_.model.mesh, world, file_.units)),
       tree_(stage_.model.mesh, all_triangles(stage_.model.mesh)), batch_(batch_of(stage_.model.mesh)) {}
 
 SiteSet Object::sites(const FractureOptions& options) const {
@@ -49,6 +50,7 @@ SiteSet Object::sites(const FractureOptions& options) const {
     // Only the box decides the placement.
     const fracture::Box box = fracture::bounds(file_.model.mesh);
     Input probe;
+    probe.units = file_.units;
     probe.model.mesh.positions = {box.min, box.max};
     probe.sites = std::move(set.sites);
     probe.weights = std::move(set.weights);

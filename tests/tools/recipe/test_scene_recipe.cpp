@@ -1,0 +1,133 @@
+// Recipes of version 2: scenes of several objects.
+#include <string>
+
+#include <doctest/doctest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/tools/support.h"
+#include "tools/brittle/base/failure.h"
+#include "tools/brittle/recipe/recipe.h"
+
+using namespace brittle;
+using namespace brittle::tools;
+using namespace brittle::tools::test;
+
+namespace {
+
+FractureOptions read(const std::string& text) {
+    const Folder folder;
+    FractureOptions options;
+    read_recipe(folder.write("scene.json", text), options);
+    return options;
+}
+
+// Returns the message of reading a text, or "" if it can be read.
+std::string message_of(const std::string& text) {
+    try {
+        (void)read(text);
+    } catch (const Failure& failure) {
+        CHECK(failure.code() == exit_input);
+        return failure.what();
+    }
+    return "";
+}
+
+void check_says(const std::string& object, const std::string& words) {
+    const std::string message = message_of(R"({"brittle": 2, "objects": [)" + object + "]}");
+    CAPTURE(message);
+    CHECK(message.find(words) != std::string::npos);
+}
+
+} // namespace
+
+TEST_CASE("scene recipe: bad values are named by object and path") {
+    CHECK(message_of(R"({"brittle": 2})").find("/objects: expected 1 to 10000 objects") != std::string::npos);
+    CHECK(message_of(R"({"brittle": 2, "objects": []})").find("/objects") != std::string::npos);
+    CHECK(message_of(R"({"brittle": 2, "objects": [{"mesh": "shape:cube"}], "mesh": "a.obj"})").find("/mesh")
+          != std::string::npos);
+    CHECK(message_of(R"({"brittle": 2, "objects": [{"mesh": "shape:cube"}], "units": "ell"})").find("/units: expected")
+          != std::string::npos);
+    CHECK(message_of(R"({"brittle": 2, "objects": [{"mesh": "shape:cube"}], "world": {"breakable": true}})")
+              .find("/world/breakable")
+          != std::string::npos);
+    check_says(R"({"name": "a"})", "/objects/0/mesh: expected a mesh file or shape:NAME (object \"a\")");
+    check_says(R"({"mesh": "shape:cube", "size": 2})", "/objects/0/size");
+    check_says(R"({"mesh": "shape:cube"}, {"name": "b", "mesh": "shape:cube", "rotation": [0, 1]})",
+               "/objects/1/rotation");
+    check_says(R"({"mesh": "shape:cube", "scale": 0})", "/objects/0/scale");
+    check_says(R"({"mesh": "shape:cube", "scale": [1, 0, 1]})", "none of which is 0");
+    check_says(R"({"mesh": "shape:cube", "material": "cheese"})", "/objects/0/material: there is no material");
+    check_says(R"({"mesh": "shape:cube", "pattern": {"kind": "grid"}})", "/objects/0/pattern/kind");
+    check_says(R"({"mesh": "shape:cube", "anchors": [{"radius": -1}]})", "/objects/0/anchors/0/radius");
+    check_says(R"({"mesh": "shape:cube", "fixed": true, "bonded": true})", "/objects/0/fixed: a fixed object");
+    check_says(R"({"mesh": "shape:cube", "fixed": true, "breakable": true})", "/objects/0/fixed: a fixed object");
+    check_says(R"({"mesh": "shape:cube", "shattered": true, "anchored": true})", "/objects/0/shattered");
+    check_says(R"({"name": "a", "mesh": "shape:cube"}, {"name": "a", "mesh": "shape:cube"})",
+               "there is another object \"a\"");
+}
+
+TEST_CASE("scene recipe: objects without a name are named by their meshes, and start whole and breakable") {
+    const FractureOptions scene = read(
+        R"({"brittle": 2, "objects": [{"mesh": "shape:cube"}, {"mesh": "shape:cube"}, {"mesh": "things/vase.obj"},
+            {"name": "wall", "mesh": "shape:cube", "fixed": true}, {"name": "x", "mesh": "shape:cube", "breakable": false}]})");
+    REQUIRE(scene.objects.size() == 5);
+    CHECK(is_scene(scene));
+    CHECK(scene.units == LengthUnit::metre);
+    CHECK(scene.objects[0].name == "cube");
+    CHECK(scene.objects[1].name == "cube 2");
+    CHECK(scene.objects[2].name == "vase");
+    CHECK(scene.objects[2].recipe.mesh.ends_with("things/vase.obj"));
+    CHECK(starts_whole(scene.objects[0].recipe.world));
+    CHECK(scene.objects[3].fixed);
+    CHECK_FALSE(scene.objects[4].recipe.world.breakable);
+}
+
+TEST_CASE("scene recipe: writing and reading preserve every value") {
+    const std::string text = R"({"brittle": 2, "units": "cm", "objects": [
+        {"name": "vase", "mesh": "/meshes/shop.glb", "material": "ceramic", "repair": true, "unite": true,
+         "pattern": {"type": "uniform", "count": 33, "seed": 7}, "min_volume": 0.25, "roughness": 0.3,
+         "translation": [1, 2, 0.3333333333333333], "rotation": [10, 20, 30], "scale": [1, 2, -3],
+         "bonded": true, "anchored": true, "strength": 0.5, "min_size": 0.125, "blow_pieces": 30,
+         "brick": {"size": [0.3, 0.05, 0.1], "along": "z"}, "anchors": [{"at": [0, 1, 0], "radius": 0.2}]},
+        {"name": "floor", "mesh": "shape:cube", "fixed": true},
+        {"name": "heap", "mesh": "shape:cube", "shattered": true, "breakable": false}],
+        "world": {"physics": "bullet", "air_density": 0.5, "max_colliding": 70, "piece_limit": 900,
+                  "shots": [{"time": 1, "from": [0, 1, 4], "velocity": [0, 0, -12], "radius": 0.1, "density": 7800}]},
+        "picture": {"frames": 7, "azimuth": 90}})";
+    const std::string once = recipe_json(read(text));
+    CHECK(recipe_json(read(once)) == once);
+    const auto given = nlohmann::json::parse(text), written = nlohmann::json::parse(once);
+    for (const auto& [key, value] : given.items())
+        if (key != "objects") CHECK(written[key] == value);
+    for (size_t k = 0; k < 3; ++k)
+        for (const auto& [key, value] : given["objects"][k].items()) {
+            CAPTURE(key);
+            CHECK(written["objects"][k][key] == value);
+        }
+}
+
+TEST_CASE("scene recipe: the schema lists exactly the keys of objects") {
+    const auto schema = nlohmann::json::parse(read_text(BRITTLE_ASSETS "/scene.schema.json"));
+    const auto& keys = schema["properties"]["objects"]["items"]["properties"];
+    for (const auto& [key, value] : keys.items()) {
+        if (key == "strikes" || key == "algorithm" || key == "rough_size" || key == "grain" || key == "detail")
+            continue;
+        CAPTURE(key);
+        const std::string message =
+            message_of(R"({"brittle": 2, "objects": [{"mesh": "shape:cube", ")" + key + R"(": null}]})");
+        CHECK(message.find("unknown") == std::string::npos); // a bad value, but a known key
+        CHECK(message.find(key) != std::string::npos);
+    }
+    for (const char* key : {"name",      "mesh",       "translation", "rotation", "scale",   "fixed",     "shattered",
+                            "material",  "repair",     "unite",       "pattern",  "strikes", "algorithm", "min_volume",
+                            "roughness", "rough_size", "grain",       "detail",   "bonded",  "anchored",  "strength",
+                            "breakable", "min_size",   "blow_pieces", "brick",    "anchors"})
+        CHECK(keys.contains(key));
+}
+
+TEST_CASE("scene recipe: units of a single mesh are written where they do not fit it to the stage") {
+    const FractureOptions options = read(R"({"brittle": 1, "mesh": "shape:cube", "units": "mm"})");
+    CHECK(options.units == LengthUnit::millimetre);
+    CHECK(nlohmann::json::parse(recipe_json(options))["units"] == "mm");
+    CHECK_FALSE(nlohmann::json::parse(recipe_json(read(R"({"brittle": 1, "mesh": "shape:cube"})"))).contains("units"));
+}

@@ -1,0 +1,246 @@
+// Scenes of several objects in one world.
+#include "tools/brittle/run/scene.h"
+
+#include <algorithm>
+#include <map>
+#include <optional>
+
+#include <doctest/doctest.h>
+#include <glm/geometric.hpp>
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "tests/tools/replays.h"
+#include "tests/tools/support.h"
+#include "tools/brittle/recipe/recipe.h"
+
+using namespace brittle;
+using namespace brittle::tools;
+using namespace brittle::tools::test;
+
+namespace {
+
+FractureOptions scene_of(const std::string& objects, const std::string& more = "") {
+    const Folder folder;
+    FractureOptions options;
+    read_recipe(folder.write("scene.json", R"({"brittle": 2, "objects": [)" + objects + "]" + more + "}"), options);
+    return options;
+}
+
+FractureOptions world_file(const std::string& name) {
+    FractureOptions options;
+    read_recipe(BRITTLE_ASSETS "/worlds/" + name + ".json", options);
+    return options;
+}
+
+// The pieces of each object.
+std::map<std::string, size_t> counts(const Simulation& simulation) {
+    std::map<std::string, size_t> pieces;
+    for (const physics::PieceId id : simulation.destruction()->pieces())
+        ++pieces[simulation.members()[simulation.member_of(id.value)].name];
+    return pieces;
+}
+
+float fastest(const physics::World& world) {
+    float speed = 0.0f;
+    for (const physics::BodyId body : world.bodies()) speed = std::max(speed, glm::length(world.linear_velocity(body)));
+    return speed;
+}
+
+} // namespace
+
+TEST_CASE("scene: a file that cannot be read is a failure that names the object") {
+    const FractureOptions scene = scene_of(R"({"name": "vase", "mesh": "missing.obj"})");
+    try {
+        (void)load_scene(scene);
+        FAIL("loaded");
+    } catch (const Failure& failure) {
+        CHECK(failure.code() == exit_input);
+        CHECK(std::string(failure.what()).find("object vase: ") == 0);
+    }
+}
+
+TEST_CASE("scene: a mesh that cannot be broken stays fixed, with a note, and others break") {
+    const Folder folder;
+    const std::string open = folder.write("open.obj", "v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 3 2\n").string();
+    const FractureOptions scene =
+        scene_of(R"({"name": "rug", "mesh": ")" + open + R"("}, {"name": "rug 2", "mesh": ")" + open
+                 + R"("}, {"name": "box", "mesh": "shape:cube", "translation": [0, 3, 0]})");
+    const LoadedScene loaded = load_scene(scene);
+    REQUIRE(loaded.notes.size() == 2);
+    CHECK(loaded.notes[0].find("rug stays whole and fixed") == 0);
+    CHECK(loaded.objects[0].object.fixed);
+    CHECK(loaded.objects[1].object.fixed);
+    CHECK_FALSE(loaded.objects[2].object.fixed);
+    CHECK(loaded.home.min.y == doctest::Approx(2.0)); // around what moves
+    Simulation simulation;
+    simulation.start(prepare_scene(loaded), loaded.world);
+    CHECK(simulation.piece_count() == 3);
+    CHECK(simulation.world().fixed(simulation.body_of(0)));
+    CHECK_FALSE(simulation.world().fixed(simulation.body_of(2)));
+}
+
+TEST_CASE("scene: objects stand where translation, rotation and scale put them, in the units of the files") {
+    const Folder folder;
+    const std::string box =
+        folder.write("box.obj", "v 0 0 0\nv 40 0 0\nv 0 20 0\nv 0 0 10\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n").string();
+    const FractureOptions scene =
+        scene_of(R"({"name": "a", "mesh": ")" + box + R"(", "translation": [1, 2, 3], "rotation": [30, -50, 70],
+                                                 "scale": [2, 1, -1]})",
+                 R"(, "units": "cm")");
+    const LoadedScene loaded = load_scene(scene);
+    glm::dmat4 oracle = glm::translate(glm::dmat4(1.0), {1.0, 2.0, 3.0});
+    oracle = glm::rotate(oracle, glm::radians(70.0), {0.0, 0.0, 1.0});
+    oracle = glm::rotate(oracle, glm::radians(-50.0), {0.0, 1.0, 0.0});
+    oracle = glm::rotate(oracle, glm::radians(30.0), {1.0, 0.0, 0.0});
+    oracle = glm::scale(oracle, glm::dvec3(0.02, 0.01, -0.01));
+    glm::dvec3 centre(0.0), low(1e9), high(-1e9);
+    for (const glm::dvec4& p :
+         {glm::dvec4(0, 0, 0, 1), glm::dvec4(40, 0, 0, 1), glm::dvec4(0, 20, 0, 1), glm::dvec4(0, 0, 10, 1)}) {
+        const glm::dvec3 at(oracle * p);
+        centre += at / 4.0;
+        low = glm::min(low, at);
+        high = glm::max(high, at);
+    }
+    CHECK(glm::length(loaded.objects[0].box.min - low) < 1e-6);
+    CHECK(glm::length(loaded.objects[0].box.max - high) < 1e-6);
+    Simulation simulation;
+    simulation.start(prepare_scene(loaded), loaded.world);
+    CHECK(glm::length(glm::dvec3(simulation.pose_of(0).position) - centre) < 1e-6);
+    CHECK(simulation.destruction()->solid({0})->mass.volume == doctest::Approx(2.0 * 0.4 * 0.2 * 0.1 / 6.0));
+}
+
+TEST_CASE("scene: objects that differ in place alone share mesh and solids") {
+    const FractureOptions scene = scene_of(R"({"mesh": "shape:vase", "translation": [0, 0, 0]},
+        {"mesh": "shape:vase", "translation": [1, 0, 0], "rotation": [0, 90, 0]},
+        {"mesh": "shape:vase", "translation": [2, 0, 0], "material": "ceramic"},
+        {"mesh": "shape:vase", "translation": [3, 0, 0], "scale": 2})");
+    const LoadedScene loaded = load_scene(scene);
+    CHECK(loaded.objects[0].input == loaded.objects[1].input);
+    CHECK(loaded.objects[0].input == loaded.objects[2].input);
+    CHECK(loaded.objects[0].input != loaded.objects[3].input);
+    const std::vector<PreparedObject> objects = prepare_scene(loaded);
+    CHECK(objects[0].bodies.solids[0] == objects[1].bodies.solids[0]);
+    CHECK(objects[0].bodies.solids[0] != objects[2].bodies.solids[0]); // another density
+    CHECK(objects[0].bodies.solids[0] != objects[3].bodies.solids[0]);
+}
+
+TEST_CASE("scene: every kind of object in one world does what it says") {
+    const FractureOptions scene = scene_of(
+        R"({"name": "table", "mesh": "shape:cube", "fixed": true, "scale": [4, 0.5, 4], "translation": [0, 0.5, 0]},
+           {"name": "rigid", "mesh": "shape:cube", "breakable": false, "scale": 0.2, "translation": [-2, 1.21, 0]},
+           {"name": "whole", "mesh": "shape:cube", "scale": 0.2, "translation": [-1, 1.21, 0], "material": "glass"},
+           {"name": "bonded", "mesh": "shape:cube", "bonded": true, "scale": 0.2, "translation": [0, 1.21, 0],
+            "pattern": {"type": "uniform", "count": 8}},
+           {"name": "held", "mesh": "shape:cube", "anchored": true, "scale": 0.2, "translation": [1, 1.5, 0],
+            "rotation": [0, 0, 45]},
+           {"name": "loose", "mesh": "shape:cube", "shattered": true, "scale": 0.2, "translation": [2, 1.21, 0],
+            "pattern": {"type": "uniform", "count": 8}, "breakable": false},
+           {"name": "pinned", "mesh": "shape:cube", "bonded": true, "anchored": true, "scale": 0.2,
+            "translation": [3, 1.5, 0], "breakable": false, "pattern": {"type": "uniform", "count": 8}})");
+    const LoadedScene loaded = load_scene(scene);
+    Simulation simulation;
+    simulation.start(prepare_scene(loaded), loaded.world);
+    const std::map<std::string, size_t> start{{"table", 1}, {"rigid", 1}, {"whole", 1}, {"bonded", 8},
+                                              {"held", 1},  {"loose", 8}, {"pinned", 8}};
+    CHECK(counts(simulation) == start);
+    CHECK(simulation.structures().size() == 2);
+    for (int step = 0; step < 240; ++step) simulation.step();
+    CHECK(counts(simulation) == start);
+    const auto height = [&](uint32_t piece) { return simulation.pose_of(piece).position.y; };
+    for (uint32_t piece = 1; piece < simulation.piece_count(); ++piece) CHECK(height(piece) > 1.0f);
+    const uint32_t held = 1 + 1 + 1 + 8;
+    CHECK(simulation.member_of(held) == 4);
+    CHECK(simulation.world().fixed(simulation.body_of(held)));
+    CHECK(height(held) == doctest::Approx(1.5f));
+    CHECK(height(1) == doctest::Approx(1.2f).epsilon(0.005)); // rests on the table
+
+    const auto strike = [&](uint32_t piece) { // hard, from above
+        simulation.apply(Hammer{piece, glm::dvec3(simulation.pose_of(piece).position) + glm::dvec3(0.0, 0.2, 0.0),
+                                glm::dvec3(0.0, -600.0, 0.0)});
+    };
+    for (const uint32_t piece : {0u, 1u, 2u, held, held + 1}) strike(piece);
+    for (int step = 0; step < 60; ++step) simulation.step();
+    const std::map<std::string, size_t> end = counts(simulation);
+    CHECK(end.at("table") == 1);
+    CHECK(end.at("rigid") == 1);
+    CHECK(end.at("whole") > 1);
+    CHECK(end.at("held") > 1);
+    CHECK(end.at("loose") == 8);
+    CHECK(end.at("pinned") == 8);
+    simulation.apply(Release{});
+    for (int step = 0; step < 60; ++step) simulation.step();
+    CHECK(simulation.pose_of(simulation.number_count() > 0 ? held + 9 : 0).position.y < 1.5f); // no longer pinned
+}
+
+TEST_CASE("scene: a scene of one object has the state hashes of a recipe of one mesh") {
+    FractureOptions one;
+    one.mesh = "shape:arch"; // 2 m long, and on the ground: the stage does not change it
+    one.material = "stone";
+    use_material("stone", one);
+    one.rough.amount = 0.0; // as in a recipe
+    one.world.breakable = true;
+    one.world.height = 0.0;
+    const fracture::Fragments whole = break_input(placed_on_stage(load_input(one), one.world), one).fragments;
+    const FractureOptions scene = scene_of(R"({"mesh": "shape:arch", "material": "stone"})");
+    const LoadedScene loaded = load_scene(scene);
+    Simulation alone("stone"), in_scene;
+    alone.start(whole, world_of(one));
+    in_scene.start(prepare_scene(loaded), loaded.world);
+    for (Simulation* simulation : {&alone, &in_scene})
+        simulation->schedule(10, Shoot{{0.0, 1.2, 3.0}, {0.0, 0.0, -25.0}, 0.15, 7800.0});
+    for (int step = 0; step < 120; ++step) {
+        REQUIRE(alone.state_hash() == in_scene.state_hash());
+        alone.step();
+        in_scene.step();
+    }
+    CHECK(alone.number_count() > 10);
+}
+
+TEST_CASE("scene: the room is calm until the first shot, then pane, dishes and wall break, and a replay is equal") {
+    const FractureOptions scene = world_file("room_with_a_view");
+    const LoadedScene loaded = load_scene(scene);
+    CHECK(loaded.notes.empty());
+    const Folder folder;
+    {
+        Simulation simulation;
+        Recorder recorder(folder / "room.log", scene);
+        simulation.observe(&recorder);
+        simulation.start(prepare_scene(loaded), loaded.world);
+        const std::map<std::string, size_t> before = counts(simulation);
+        for (const auto& [name, pieces] : before) CHECK(pieces == 1);
+        float speed = 0.0f;
+        for (int step = 0; step < 58; ++step) { // the first shot comes after 60
+            simulation.step();
+            speed = std::max(speed, fastest(simulation.world()));
+        }
+        CHECK(speed < 0.15f); // m/s: things settle by half a millimetre
+        CHECK(counts(simulation) == before);
+        while (simulation.steps() < 540) simulation.step();
+        const std::map<std::string, size_t> after = counts(simulation);
+        for (const char* name : {"window pane", "brick wall", "vase on the table"}) {
+            CAPTURE(name);
+            CHECK(after.at(name) > 3);
+        }
+        for (const char* name : {"left wall", "side wall", "sill", "shelf left"}) CHECK(after.at(name) == 1);
+        CHECK(after.size() == before.size());
+        CHECK(simulation.destruction()->statistics().failed == 0);
+        for (const physics::BodyId body : simulation.world().bodies()) // nothing fell through the ground
+            CHECK(simulation.world().pose(body).position.y > -0.05f);
+        recorder.finish();
+    }
+    const ReplayLog log = read_replay_log(folder / "room.log");
+    CHECK(is_scene(log.recipe));
+    for (const uint32_t threads : {1u, 2u, 7u}) {
+        FractureOptions again = log.recipe;
+        again.threads = threads;
+        const LoadedScene same = load_scene(again);
+        Simulation simulation;
+        Player player(log);
+        simulation.observe(&player);
+        follow(log, simulation);
+        simulation.start(prepare_scene(same), same.world);
+        schedule(log, simulation);
+        while (!player.done() && !player.difference()) simulation.step();
+        CHECK_FALSE(player.difference());
+    }
+}

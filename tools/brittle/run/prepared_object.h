@@ -1,0 +1,63 @@
+// An object that is ready to join a simulation: its pieces with their bodies, and how they hold together and break.
+//
+//     PreparedObject vase{.name = "vase", .fragments = pieces, .world = world_of(options), .material = "ceramic"};
+//     prepare(vase);                                       // on any thread: most of the cost of a start
+//     simulation.start({std::move(vase), ...}, world);
+//
+// Objects that differ in their place alone share fragments and solids: copy one that is prepared, and call
+// prepare_payloads() on the copy.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "fracture/mesh/mesh.h"
+#include "fracture/pieces/fragments.h"
+#include "physics/bonds/structure.h"
+#include "physics/cutting/destruction.h"
+#include "physics/cutting/piece_payload.h"
+#include "physics/cutting/solid_piece.h"
+#include "physics/material.h"
+#include "physics/world/hull.h"
+#include "physics/world/world.h"
+#include "tools/brittle/recipe/world_options.h"
+
+namespace brittle::tools {
+
+// The part of a start that costs milliseconds: a hull a piece, or for breakable pieces a solid and a payload a piece.
+struct PreparedBodies {
+    physics::PieceHulls hulls;
+    std::vector<physics::SolidPtr> solids;
+    std::vector<physics::PayloadPtr> payloads;
+};
+
+struct PreparedObject {
+    std::string name{};
+    std::shared_ptr<const fracture::Fragments> fragments{};  // in the object's coordinates; null for a fixed object
+    std::shared_ptr<const fracture::TriangleMesh> surface{}; // of a fixed object
+    WorldOptions world{};                                    // of world_of()
+    std::string material{};                                  // name of a preset, or empty
+    bool rigid = false;                                      // never cut
+    physics::Pose placement{};                               // from the object's coordinates to the world
+    PreparedBodies bodies{};
+
+    [[nodiscard]] bool fixed() const { return surface != nullptr; }
+};
+
+// Makes the bodies. `payload` must be the simulation's. threads: 0 is one a core. Throws a Failure.
+void prepare(PreparedObject& object, const physics::PayloadMaker& payload = {}, uint32_t threads = 0);
+// Makes the payloads of the object's solids.
+void prepare_payloads(PreparedObject& object, const physics::PayloadMaker& payload, uint32_t threads = 0);
+
+// Hash of the pieces of all objects, and of the surfaces of fixed ones: fracture::hash() for one object.
+[[nodiscard]] uint64_t pieces_hash(std::span<const PreparedObject> objects);
+
+[[nodiscard]] physics::Material plain_material(const physics::MaterialPreset* preset);
+// How the pieces of an object are bonded, and how they break.
+[[nodiscard]] physics::StructureDesc structure_desc(const PreparedObject& object);
+[[nodiscard]] physics::BreakableDesc breakable_desc(const PreparedObject& object, const physics::PayloadMaker& payload);
+
+} // namespace brittle::tools

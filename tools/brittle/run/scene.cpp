@@ -1,0 +1,205 @@
+#include "tools/brittle/run/scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <span>
+#include <utility>
+
+#include <glm/common.hpp>
+#include <glm/gtc/quaternion.hpp>
+#include <glm/trigonometric.hpp>
+
+#include "fracture/mesh/topology.h"
+#include "tools/brittle/base/failure.h"
+#include "tools/brittle/base/interrupt.h"
+#include "tools/brittle/recipe/recipe.h"
+
+namespace brittle::tools {
+
+namespace {
+
+using fracture::TriangleMesh;
+
+bool is_cut_at_start(const SceneObject& object) {
+    return !object.fixed && (object.recipe.world.bonded || object.shattered);
+}
+
+// Equal for objects whose meshes, and sites where they are cut at the start, are equal.
+std::string mesh_key(const SceneObject& object) {
+    FractureOptions mesh;
+    if (is_cut_at_start(object)) mesh = object.recipe;
+    mesh.mesh = object.recipe.mesh;
+    mesh.repair = object.recipe.repair;
+    mesh.unite = object.recipe.unite;
+    const glm::dvec3& scale = object.placement.scale;
+    mesh.world.anchors.push_back({scale, 1.0}); // any place for three numbers
+    return recipe_json(mesh) + (object.fixed ? " fixed" : "");
+}
+
+// Equal for objects of one mesh whose solids are equal. The place counts where the lowest part is anchored.
+std::string solid_key(const SceneObject& object) {
+    FractureOptions own = object.recipe;
+    if (!is_cut_at_start(object)) own.pattern.seed = 0;
+    if (own.world.anchored) own.world.anchors.push_back({object.placement.rotation, 1.0});
+    return recipe_json(own) + (object.shattered ? " shattered" : "") + (object.fixed ? " fixed" : "");
+}
+
+void scale_mesh(TriangleMesh& mesh, const glm::dvec3& scale) {
+    for (glm::dvec3& p : mesh.positions) p *= scale;
+    if (scale.x * scale.y * scale.z > 0.0) return;
+    for (fracture::Triangle& t : mesh.triangles) std::swap(t.y, t.z); // a mirrored mesh is inside out
+}
+
+// Loads an object's mesh, in metres of the object, ready for a fracture unless it is fixed.
+Input load_object(const SceneObject& object, LengthUnit units, bool with_looks) {
+    Input input = load_mesh_only(object.recipe.mesh, with_looks);
+    input.name = object.name;
+    const double metres = object.recipe.mesh.starts_with("shape:") ? 1.0 : metres_of(units);
+    input.scale = metres * std::abs(object.placement.scale.x);
+    if (!object.fixed) {
+        prepare_mesh(object.recipe, input);
+        const auto report = fracture::check_topology(input.model.mesh.positions.size(), input.model.mesh.triangles);
+        if (!report.closed()) throw Failure(exit_mesh, fracture::describe(report));
+    }
+    scale_mesh(input.model.mesh, metres * object.placement.scale);
+    if (is_cut_at_start(object)) {
+        SiteSet set = sites_for(object.recipe, input.model.mesh);
+        input.sites = std::move(set.sites);
+        input.groups = std::move(set.groups);
+        input.weights = std::move(set.weights);
+    }
+    return input;
+}
+
+struct LoadedMesh {
+    std::shared_ptr<const Input> input;
+    std::string fault; // why the mesh cannot be broken
+};
+
+// A mesh that cannot be broken is loaded as that of a fixed object.
+LoadedMesh load(SceneObject object, LengthUnit units, bool with_looks) {
+    LoadedMesh mesh;
+    try {
+        mesh.input = std::make_shared<const Input>(load_object(object, units, with_looks));
+    } catch (const Failure& failure) {
+        if (failure.code() != exit_mesh) throw;
+        mesh.fault = failure.what();
+        object.fixed = true;
+        mesh.input = std::make_shared<const Input>(load_object(object, units, with_looks));
+    }
+    return mesh;
+}
+
+fracture::Box home_of(std::span<const LoadedObject> objects) {
+    const bool moves = !std::ranges::all_of(objects, [](const LoadedObject& object) { return object.object.fixed; });
+    std::optional<fracture::Box> home;
+    for (const LoadedObject& object : objects) {
+        if (moves && object.object.fixed) continue;
+        home =
+            home ? fracture::Box{glm::min(home->min, object.box.min), glm::max(home->max, object.box.max)} : object.box;
+    }
+    return home.value_or(fracture::Box{});
+}
+
+fracture::Box box_in_world(const TriangleMesh& mesh, const physics::Pose& placement) {
+    std::vector<glm::dvec3> placed;
+    for (const glm::dvec3& p : mesh.positions)
+        placed.push_back(glm::dvec3(placement.position) + glm::dquat(placement.orientation) * p);
+    return fracture::bounds(placed);
+}
+
+} // namespace
+
+glm::dquat rotation_of(const ObjectPlacement& placement) {
+    const glm::dvec3 angle = glm::radians(placement.rotation);
+    return glm::angleAxis(angle.z, glm::dvec3(0.0, 0.0, 1.0)) * glm::angleAxis(angle.y, glm::dvec3(0.0, 1.0, 0.0))
+           * glm::angleAxis(angle.x, glm::dvec3(1.0, 0.0, 0.0));
+}
+
+LoadedScene load_scene(const FractureOptions& scene, bool with_looks) {
+    const InterruptDeadline deadline;
+    LoadedScene loaded{.world = scene.world, .threads = scene.threads};
+    loaded.world.height = 0.0;
+    std::map<std::string, LoadedMesh> meshes;
+    for (const SceneObject& object : scene.objects) {
+        throw_if_interrupted();
+        LoadedObject& made = loaded.objects.emplace_back(LoadedObject{object, nullptr, {}, {}});
+        made.placement = {glm::vec3(object.placement.translation), glm::quat(rotation_of(object.placement))};
+        LoadedMesh& mesh = meshes[mesh_key(object)];
+        try {
+            if (!mesh.input) mesh = load(object, scene.units, with_looks);
+        } catch (const Failure& failure) {
+            throw Failure(failure.code(), "object " + object.name + ": " + failure.what());
+        }
+        if (!mesh.fault.empty()) {
+            loaded.notes.push_back(object.name + " stays whole and fixed: " + mesh.fault);
+            made.object.fixed = true;
+        }
+        made.input = mesh.input;
+        made.box = box_in_world(mesh.input->model.mesh, made.placement);
+    }
+    loaded.home = home_of(loaded.objects);
+    return loaded;
+}
+
+namespace {
+
+PreparedObject prepare_object(const LoadedScene& scene, const LoadedObject& loaded,
+                              const physics::PayloadMaker& payload) {
+    const SceneObject& object = loaded.object;
+    FractureOptions options = object.recipe;
+    options.threads = scene.threads;
+    options.world.breakable = !object.shattered; // whether the fracture leaves an object that is not bonded whole
+    PreparedObject made{.name = object.name,
+                        .world = world_of(options, loaded.input->scale),
+                        .material = object.recipe.material,
+                        .rigid = !object.recipe.world.breakable,
+                        .placement = loaded.placement};
+    made.world.breakable = object.recipe.world.breakable;
+    if (object.fixed)
+        made.surface = {loaded.input, &loaded.input->model.mesh};
+    else
+        made.fragments = std::make_shared<const fracture::Fragments>(break_input(*loaded.input, options).fragments);
+    prepare(made, payload, scene.threads);
+    return made;
+}
+
+} // namespace
+
+std::vector<PreparedObject> prepare_scene(const LoadedScene& scene, const physics::PayloadMaker& payload,
+                                          const std::function<void(double)>& progress) {
+    std::vector<PreparedObject> objects;
+    std::map<std::pair<const Input*, std::string>, size_t> known;
+    for (const LoadedObject& loaded : scene.objects) {
+        throw_if_interrupted();
+        if (progress) progress(static_cast<double>(objects.size()) / static_cast<double>(scene.objects.size()));
+        const auto key = std::pair(loaded.input.get(), solid_key(loaded.object));
+        const auto [at, is_new] = known.try_emplace(key, objects.size());
+        try {
+            if (is_new) {
+                objects.push_back(prepare_object(scene, loaded, payload));
+                continue;
+            }
+            const PreparedObject& like = objects[at->second];
+            PreparedObject copy{.name = loaded.object.name,
+                                .fragments = like.fragments,
+                                .surface = like.surface,
+                                .world = like.world,
+                                .material = like.material,
+                                .rigid = like.rigid,
+                                .placement = loaded.placement};
+            copy.world.seed = loaded.object.recipe.pattern.seed;
+            copy.bodies.solids = like.bodies.solids;
+            prepare_payloads(copy, payload, scene.threads);
+            objects.push_back(std::move(copy));
+        } catch (const Failure& failure) {
+            throw Failure(failure.code(), "object " + loaded.object.name + ": " + failure.what());
+        }
+    }
+    if (progress) progress(1.0);
+    return objects;
+}
+
+} // namespace brittle::tools

@@ -1,0 +1,53 @@
+// A scene: objects from a recipe, loaded, broken where they start in pieces, and prepared for a simulation. A recipe of
+// one mesh is not a scene (recipe/input.h).
+//
+//     LoadedScene scene = load_scene(options);
+//     std::vector<PreparedObject> objects = prepare_scene(scene, payload_maker(renderer));   // on any thread
+//     Stage stage(renderer, scene.home);
+//     stage.stand(std::move(objects), scene.world);
+//
+// Objects that differ in place and name alone share mesh, solids and hulls. A mesh that cannot be broken becomes a fixed
+// object, with a note; a file that cannot be read is a Failure that names the object.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "fracture/mesh/mesh.h"
+#include "physics/cutting/piece_payload.h"
+#include "physics/world/world.h"
+#include "tools/brittle/recipe/input.h"
+#include "tools/brittle/run/prepared_object.h"
+
+namespace brittle::tools {
+
+struct LoadedObject {
+    SceneObject object;                 // as in the recipe; fixed also where its mesh cannot be broken
+    std::shared_ptr<const Input> input; // in metres of the object; objects may share it
+    physics::Pose placement;
+    fracture::Box box; // in the world
+};
+
+struct LoadedScene {
+    std::vector<LoadedObject> objects{};
+    WorldOptions world{};             // the members that concern no single object
+    uint32_t threads = 0;             // 0: one per core
+    fracture::Box home{};             // around all objects that are not fixed; around all where none moves
+    std::vector<std::string> notes{}; // for people: meshes that cannot be broken, and why
+};
+
+// `with_looks`: with materials and textures. Throws a Failure.
+[[nodiscard]] LoadedScene load_scene(const FractureOptions& scene, bool with_looks = false);
+
+// Breaks and prepares the objects, in their order. `progress` is called with shares from 0 to 1. Throws a Failure.
+[[nodiscard]] std::vector<PreparedObject> prepare_scene(const LoadedScene& scene,
+                                                        const physics::PayloadMaker& payload = {},
+                                                        const std::function<void(double)>& progress = {});
+
+// Rotation of a placement: about X, then Y, then Z.
+[[nodiscard]] glm::dquat rotation_of(const ObjectPlacement& placement);
+
+} // namespace brittle::tools
