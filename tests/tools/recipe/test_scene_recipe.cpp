@@ -73,6 +73,10 @@ TEST_CASE("scene recipe: objects without a name are named by their meshes, and s
     REQUIRE(scene.objects.size() == 5);
     CHECK(is_scene(scene));
     CHECK(scene.units == LengthUnit::metre);
+    CHECK(read(R"({"brittle": 2, "objects": [{"mesh": "shape:cube"}, {"name": "cube", "mesh": "shape:cube"}]})")
+              .objects[0]
+              .name
+          == "cube 2"); // a name that is given comes first
     CHECK(scene.objects[0].name == "cube");
     CHECK(scene.objects[1].name == "cube 2");
     CHECK(scene.objects[2].name == "vase");

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
 #include <set>
 #include <span>
@@ -353,11 +354,17 @@ void read_object(const std::filesystem::path& file, const std::string& path, Jso
     reader.refuse_unknown_keys();
 }
 
-// "vase", "vase 2", "vase 3" ...
-std::string free_name(const std::string& wanted, const std::set<std::string>& taken) {
-    std::string name = wanted;
-    for (int number = 2; taken.contains(name); ++number) name = wanted + " " + std::to_string(number);
-    return name;
+// Names the objects without one by their meshes: "vase", "vase 2", "vase 3" ...
+void name_by_mesh(std::vector<SceneObject>& objects, std::set<std::string> taken) {
+    std::map<std::string, int> last; // by name of the mesh
+    for (SceneObject& object : objects) {
+        if (!object.name.empty()) continue;
+        const std::string mesh = mesh_name(object.recipe.mesh);
+        int& number = last[mesh];
+        do {
+            object.name = ++number == 1 ? mesh : mesh + " " + std::to_string(number);
+        } while (!taken.insert(object.name).second);
+    }
 }
 
 void read_objects(const std::filesystem::path& file, const std::string& path, JsonReader& reader,
@@ -378,13 +385,11 @@ void read_objects(const std::filesystem::path& file, const std::string& path, Js
             if (object.name.empty()) throw;
             throw Failure(failure.code(), failure.what() + std::string(" (object ") + shown(object.name) + ")");
         }
-        if (object.name.empty())
-            object.name = free_name(mesh_name(object.recipe.mesh), names);
-        else if (names.contains(object.name))
+        if (!object.name.empty() && !names.insert(object.name).second)
             throw inner.failure("name", "there is another object " + shown(object.name) + "; names are unique");
-        names.insert(object.name);
         scene.objects.push_back(std::move(object));
     }
+    name_by_mesh(scene.objects, std::move(names));
 }
 
 } // namespace
