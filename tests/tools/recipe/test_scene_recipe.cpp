@@ -104,16 +104,18 @@ TEST_CASE("scene recipe: writing and reading preserve every value") {
     for (const auto& [key, value] : given.items())
         if (key != "objects") CHECK(written[key] == value);
     for (size_t k = 0; k < 3; ++k)
-        for (const auto& [key, value] : given["objects"][k].items()) {
+        for (const auto& entry : given["objects"][k].items()) {
+            const std::string key = entry.key();
             CAPTURE(key);
-            CHECK(written["objects"][k][key] == value);
+            CHECK(written["objects"][k][key] == entry.value());
         }
 }
 
 TEST_CASE("scene recipe: the schema lists exactly the keys of objects") {
     const auto schema = nlohmann::json::parse(read_text(BRITTLE_ASSETS "/scene.schema.json"));
     const auto& keys = schema["properties"]["objects"]["items"]["properties"];
-    for (const auto& [key, value] : keys.items()) {
+    for (const auto& entry : keys.items()) {
+        const std::string key = entry.key();
         if (key == "strikes" || key == "algorithm" || key == "rough_size" || key == "grain" || key == "detail")
             continue;
         CAPTURE(key);

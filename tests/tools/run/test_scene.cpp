@@ -62,6 +62,10 @@ TEST_CASE("scene: a file that cannot be read is a failure that names the object"
 TEST_CASE("scene: a mesh that cannot be broken stays fixed, with a note, and others break") {
     const Folder folder;
     const std::string open = folder.write("open.obj", "v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 3 2\n").string();
+    const std::string inside_out =
+        folder.write("out.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 4 2\nf 1 3 4\nf 2 4 3\n").string();
+    CHECK(load_scene(scene_of(R"({"mesh": ")" + inside_out + R"("})")).notes.at(0).find("face inwards")
+          != std::string::npos);
     const FractureOptions scene =
         scene_of(R"({"name": "rug", "mesh": ")" + open + R"("}, {"name": "rug 2", "mesh": ")" + open
                  + R"("}, {"name": "box", "mesh": "shape:cube", "translation": [0, 3, 0]})");

@@ -59,7 +59,7 @@ struct FractureOptions {
     LengthUnit units = LengthUnit::fit; // of the mesh files
     // The objects of a scene. Of the members above, only units, threads, picture, save_recipe and the members of
     // `world` that concern no single object then count.
-    std::vector<SceneObject> objects{};
+    std::vector<SceneObject> objects;
 };
 
 // Where an object stands: a mesh point p is at translation + R * (scale * p), m, with p in metres, and R the rotation

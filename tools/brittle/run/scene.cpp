@@ -11,6 +11,7 @@
 #include <glm/gtc/quaternion.hpp>
 #include <glm/trigonometric.hpp>
 
+#include "fracture/mesh/mass_properties.h"
 #include "fracture/mesh/topology.h"
 #include "tools/brittle/base/failure.h"
 #include "tools/brittle/base/interrupt.h"
@@ -62,6 +63,8 @@ Input load_object(const SceneObject& object, LengthUnit units, bool with_looks) 
         prepare_mesh(object.recipe, input);
         const auto report = fracture::check_topology(input.model.mesh.positions.size(), input.model.mesh.triangles);
         if (!report.closed()) throw Failure(exit_mesh, fracture::describe(report));
+        if (!(fracture::signed_volume(input.model.mesh.positions, input.model.mesh.triangles) > 0.0))
+            throw Failure(exit_mesh, "it encloses no volume, or its triangles face inwards");
     }
     scale_mesh(input.model.mesh, metres * object.placement.scale);
     if (is_cut_at_start(object)) {
