@@ -216,8 +216,9 @@ typedef struct brittle_pattern {
 } brittle_pattern;
 BRITTLE_API void brittle_pattern_init(brittle_pattern* pattern, size_t struct_size);
 
-/* Makes the sites of a pattern for a mesh; `pattern` NULL: 20 uniform sites inside the solid. Errors: invalid_setting, with the field,
- * its value and its range; invalid_argument for an unknown kind. */
+/* Makes the sites of a pattern for a mesh; `pattern` NULL: 20 uniform sites inside the solid. Errors: invalid_setting,
+ * with the field, its value and its range; invalid_argument for an unknown kind; not_closed and its like where the mesh
+ * has no inside. */
 BRITTLE_API brittle_status brittle_sites_pattern(const brittle_pattern* pattern, const brittle_mesh* mesh,
                                                  brittle_sites** out, brittle_error* error);
 /* Sites of the caller's. `weights` (n x 1 FLOAT32 or FLOAT64, m^2) and `groups` (n x 1 UINT16 or UINT32) may be NULL.
@@ -428,7 +429,8 @@ BRITTLE_API brittle_status brittle_world_add_bonded(brittle_world* world, const 
 /* Removes an object with all its pieces. */
 BRITTLE_API brittle_status brittle_world_remove(brittle_world* world, uint32_t object, brittle_error* error);
 /* Strikes a piece at a point (three floats, m) along a direction into it (three floats), as a hammer of one kilogram
- * does with this energy in joules, above 0. The pieces get no impulse. `broke`, which may be NULL, receives 1 where the blow breaks the piece; the new pieces come some steps later. */
+ * does with this energy in joules, above 0. The pieces get no impulse. `broke`, which may be NULL, receives 1 where the
+ * blow breaks the piece; the new pieces come some steps later. */
 BRITTLE_API brittle_status brittle_world_strike(brittle_world* world, uint32_t piece, const float* point,
                                                 const float* direction, double energy, uint32_t* broke,
                                                 brittle_error* error);

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "bindings/c/handles.h"
+#include "fracture/mesh/topology.h"
 #include "fracture/sites/pattern.h"
 #include "fracture/sites/sites.h"
 
@@ -97,6 +98,16 @@ fracture::Settings settings_of(const brittle_fracture_settings& given, const bri
     return settings;
 }
 
+// A mesh that is not closed has no inside for sites: that is what to tell.
+void refuse_open(const fracture::TriangleMesh& mesh) {
+    const fracture::TopologyReport report = fracture::check_topology(mesh.positions.size(), mesh.triangles);
+    if (report.closed()) return;
+    refuse("the mesh is not closed: " + fracture::describe(report) + "; brittle_mesh_repair() closes most meshes",
+           report.open_edges > 0           ? BRITTLE_NOT_CLOSED
+           : report.non_manifold_edges > 0 ? BRITTLE_NON_MANIFOLD
+                                           : BRITTLE_NOT_ORIENTED);
+}
+
 } // namespace
 
 } // namespace brittle::c
@@ -117,7 +128,10 @@ brittle_status brittle_sites_pattern(const brittle_pattern* pattern, const britt
     return guarded(error, [&] {
         need(out, "out");
         const fracture::Pattern settings = c::pattern_of(c::read_settings(pattern, c::pattern_defaults(), "pattern"));
-        fracture::PatternSites made = must(fracture::make_sites(settings, need(mesh, "mesh").model->mesh));
+        const fracture::TriangleMesh& solid = need(mesh, "mesh").model->mesh;
+        fracture::Result<fracture::PatternSites> tried = fracture::make_sites(settings, solid);
+        if (!tried) c::refuse_open(solid);
+        fracture::PatternSites made = must(std::move(tried));
         *out = new brittle_sites{std::move(made.sites), std::move(made.weights), std::move(made.groups)};
     });
 }

@@ -1,7 +1,8 @@
 #include "bindings/c/handles.h"
 
 #include <cmath>
-#include <limits>
+#include <cstddef>
+#include <cstdio>
 
 #include "fracture/pieces/certificate.h"
 

@@ -152,6 +152,16 @@ static void test_meshes(void) {
     CHECK(inspection.refusal == BRITTLE_NOT_CLOSED && inspection.open_edges == 3 && inspection.holes == 1);
     CHECK_ERROR(brittle_mesh_unite(soup, 1, &again, NULL, &error), BRITTLE_NOT_CLOSED, "open edge");
     CHECK(again == NULL);
+    {
+        brittle_mesh* flat = NULL;
+        brittle_sites* sites = NULL;
+        arrays.triangles.rows = 1;
+        CHECK(brittle_mesh_from_arrays(&arrays, &flat, NULL) == BRITTLE_OK);
+        CHECK_ERROR(brittle_sites_pattern(NULL, flat, &sites, &error), BRITTLE_NOT_CLOSED, "not closed");
+        CHECK(sites == NULL);
+        brittle_mesh_free(flat);
+        arrays.triangles.rows = 3;
+    }
     CHECK(brittle_mesh_repair(soup, NULL, &mended, &report, NULL) == BRITTLE_OK);
     CHECK(strlen(brittle_text_get(report)) > 10);
     CHECK(brittle_mesh_inspect(mended, &inspection, NULL, NULL) == BRITTLE_OK);
