@@ -12,6 +12,7 @@
 #include <optional>
 #include <span>
 #include <string_view>
+#include <vector>
 
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
@@ -58,7 +59,7 @@ namespace brittle::fracture {
 // A closed solid of revolution around axis Y. The profile lists radius and height, m, of its rings, with the solid on
 // their left; flat discs close it at the first and the last ring. Radii are positive. A profile that comes back inside
 // itself makes a vessel.
-[[nodiscard]] TriangleMesh lathe(std::span<const glm::dvec2> profile, uint32_t sides);
+[[nodiscard]] TriangleMesh lathe(const std::vector<glm::dvec2>& profile, uint32_t sides);
 // Household things that stand on y = 0: a vase, 0.4 m high, 0.26 m in diameter; a plate, 0.26 m in diameter; a table on
 // one leg, 0.75 m high, 0.92 m in diameter; the basin of a fountain with a bowl on a column, 1.1 m high, 2 m in
 // diameter.

@@ -36,7 +36,7 @@ std::vector<glm::dvec2> smooth(const std::vector<glm::dvec2>& profile, int betwe
 
 } // namespace
 
-TriangleMesh lathe(std::span<const glm::dvec2> profile, uint32_t sides) {
+TriangleMesh lathe(const std::vector<glm::dvec2>& profile, uint32_t sides) {
     sides = std::clamp(sides, 3u, max_sides);
     TriangleMesh mesh;
     if (profile.size() < 2) return mesh;
@@ -93,24 +93,23 @@ TriangleMesh plate(uint32_t sides) {
 }
 
 TriangleMesh round_table(uint32_t sides) {
-    return lathe(std::vector<glm::dvec2>{{0.28, 0.0},
-                                         {0.28, 0.03},
-                                         {0.09, 0.06},
-                                         {0.05, 0.12},
-                                         {0.04, 0.4},
-                                         {0.05, 0.64},
-                                         {0.12, 0.7},
-                                         {0.45, 0.715},
-                                         {0.46, 0.735},
-                                         {0.45, 0.75}},
+    return lathe({{0.28, 0.0},
+                  {0.28, 0.03},
+                  {0.09, 0.06},
+                  {0.05, 0.12},
+                  {0.04, 0.4},
+                  {0.05, 0.64},
+                  {0.12, 0.7},
+                  {0.45, 0.715},
+                  {0.46, 0.735},
+                  {0.45, 0.75}},
                  sides);
 }
 
 TriangleMesh basin(uint32_t sides) {
-    return lathe(std::vector<glm::dvec2>{{1.0, 0.0},  {1.0, 0.08},  {0.92, 0.1}, {0.92, 0.4},  {1.0, 0.43},
-                                         {1.0, 0.5},  {0.8, 0.5},   {0.8, 0.45}, {0.84, 0.4},  {0.84, 0.15},
-                                         {0.2, 0.15}, {0.12, 0.25}, {0.1, 0.8},  {0.14, 0.88}, {0.4, 0.95},
-                                         {0.5, 1.05}, {0.5, 1.1},   {0.42, 1.1}, {0.38, 1.05}, {0.1, 1.0}},
+    return lathe({{1.0, 0.0},  {1.0, 0.08}, {0.92, 0.1},  {0.92, 0.4}, {1.0, 0.43},  {1.0, 0.5}, {0.8, 0.5},
+                  {0.8, 0.45}, {0.84, 0.4}, {0.84, 0.15}, {0.2, 0.15}, {0.12, 0.25}, {0.1, 0.8}, {0.14, 0.88},
+                  {0.4, 0.95}, {0.5, 1.05}, {0.5, 1.1},   {0.42, 1.1}, {0.38, 1.05}, {0.1, 1.0}},
                  sides);
 }
 

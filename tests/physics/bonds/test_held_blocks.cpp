@@ -15,11 +15,9 @@
 #include "fracture/mesh/mass_properties.h"
 #include "fracture/shapes/shapes.h"
 #include "physics/cutting/solid_piece.h"
-#include "tests/physics/lathe.h"
 
 using namespace brittle;
 using namespace brittle::physics;
-using test::lathe;
 
 namespace {
 
@@ -35,7 +33,7 @@ std::shared_ptr<const HeldBlocks> blocks_of(const fracture::TriangleMesh& mesh, 
 
 // A foot, a stem of this radius, and a head of about a ton one metre up.
 fracture::TriangleMesh mushroom(double stem) {
-    return lathe({{0.3, 0.0}, {0.3, 0.1}, {stem, 0.15}, {stem, 0.9}, {0.5, 1.0}, {0.5, 1.5}}, 24);
+    return fracture::lathe({{0.3, 0.0}, {0.3, 0.1}, {stem, 0.15}, {stem, 0.9}, {0.5, 1.0}, {0.5, 1.5}}, 24);
 }
 
 bool stands(const std::vector<uint32_t>& islands) {

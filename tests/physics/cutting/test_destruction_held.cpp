@@ -10,7 +10,6 @@
 #include "physics/cutting/destruction.h"
 #include "tests/physics/bodies.h"
 #include "tests/physics/destruction_fixture.h"
-#include "tests/physics/lathe.h"
 
 using namespace brittle;
 using namespace brittle::physics;
@@ -79,7 +78,7 @@ struct Mushroom {
     explicit Mushroom(float strength_scale, double stem = 0.1, double min_size = 0.12,
                       const Material& material = weak) {
         const fracture::TriangleMesh mesh =
-            test::lathe({{0.3, 0.0}, {0.3, 0.1}, {stem, 0.15}, {stem, 0.9}, {0.5, 1.0}, {0.5, 1.5}}, 24);
+            fracture::lathe({{0.3, 0.0}, {0.3, 0.1}, {stem, 0.15}, {stem, 0.9}, {0.5, 1.0}, {0.5, 1.5}}, 24);
         desc.solid.anchors = {fracture::Box{{-1.0, -1.0, -1.0}, {1.0, 0.01, 1.0}}};
         desc.solid.blocks = {.enabled = strength_scale > 0.0f, .strength_scale = strength_scale};
         desc.solid.min_size = min_size;
@@ -233,7 +232,7 @@ TEST_CASE("held destruction: a head that comes off takes the blow as a free body
             BreakableDesc desc = desc_of(0.12, {.tensile = 3e8f, .fracture_toughness = 1e9f, .fracture_energy = 1.0f});
             desc.solid.anchors = {fracture::Box{{-1.0, -1.0, -1.0}, {1.0, 0.01, 1.0}}};
             must_add(destruction, world,
-                     test::lathe({{0.3, 0.0}, {0.3, 0.1}, {0.06, 0.15}, {0.06, 0.9}, {0.5, 1.0}, {0.5, 1.5}}, 24),
+                     fracture::lathe({{0.3, 0.0}, {0.3, 0.1}, {0.06, 0.15}, {0.06, 0.9}, {0.5, 1.0}, {0.5, 1.5}}, 24),
                      desc);
             const double whole = destruction.solid(destruction.pieces()[0])->mass.area;
             const BodyId ball = shoot(world, 0.3f, static_cast<float>(mass), {0.05f, 1.25f, 0.85f},

@@ -15,7 +15,6 @@
 #include "fracture/mesh/topology.h"
 #include "fracture/shapes/shapes.h"
 #include "fracture/sites/sites.h"
-#include "tests/physics/lathe.h"
 
 using namespace brittle;
 using namespace brittle::physics;
@@ -193,17 +192,17 @@ TEST_CASE("solid piece: the hull of a rough piece has the size of the piece") {
 
 TEST_CASE("solid piece: islands of held blocks break apart along flat and rough cuts, whatever pieces these yield") {
     // Disks on a shaft: one cell of the blocks holds several pieces.
-    const fracture::TriangleMesh comb = test::lathe({{0.1, 0.0},
-                                                     {0.1, 0.3},
-                                                     {0.5, 0.32},
-                                                     {0.5, 0.38},
-                                                     {0.1, 0.4},
-                                                     {0.1, 0.5},
-                                                     {0.5, 0.52},
-                                                     {0.5, 0.58},
-                                                     {0.1, 0.6},
-                                                     {0.1, 1.0}},
-                                                    24);
+    const fracture::TriangleMesh comb = fracture::lathe({{0.1, 0.0},
+                                                         {0.1, 0.3},
+                                                         {0.5, 0.32},
+                                                         {0.5, 0.38},
+                                                         {0.1, 0.4},
+                                                         {0.1, 0.5},
+                                                         {0.5, 0.52},
+                                                         {0.5, 0.58},
+                                                         {0.1, 0.6},
+                                                         {0.1, 1.0}},
+                                                        24);
     for (const double amount : {0.0, 0.4, 1.0}) {
         CAPTURE(amount);
         const SolidSettings settings{
