@@ -13,6 +13,7 @@
 #include "physics/solver/manifold.h"
 #include "physics/solver/siblings.h"
 #include "physics/solver/time_of_impact.h"
+#include "physics/world/surface_parts.h"
 
 namespace brittle::physics {
 

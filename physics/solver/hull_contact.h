@@ -17,7 +17,7 @@
 // - The limit holds neither for a body that a much heavier one may pass over in the step, while the two move against
 //   each other, nor for two bodies of similar mass that approach by more than it. Their contacts are those of the
 //   predicted moment of touch, without rotation.
-// - A hull under the facet of a surface (SurfaceFacet) presses along directions that the facet allows.
+// - A hull under the facet of a surface (surface_parts.h) presses along directions that the facet allows.
 #pragma once
 
 #include <memory>

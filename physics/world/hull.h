@@ -65,21 +65,7 @@ struct HullFaces {
     }
 };
 
-// The facet of a surface that a hull lies under (surface_parts.h), in the axes of the points. Contacts press along its
-// normal; over a side they turn at most to the normal of the facet there. So a body slides over the seams of a plane as
-// over one face, and over ridges along the normal of the contact.
-struct SurfaceFacet {
-    struct Side {
-        glm::vec3 outward{0.0f};          // unit, in the plane of the facet, across the side
-        float cosine = 1.0f, sine = 0.0f; // of the angle to the facet beyond: 0 in a plane and in a valley
-    };
-    glm::vec3 normal{0.0f, 1.0f, 0.0f}; // unit
-    float depth = 0.0f;                 // m, thickness of the hull
-    std::vector<Side> sides{};          // of the facet that have one beyond
-
-    // The direction nearest to a unit direction along which contacts of the facet may press.
-    [[nodiscard]] glm::vec3 limit(glm::vec3 direction) const;
-};
+struct SurfaceFacet; // surface_parts.h
 
 struct CollisionHull {
     std::vector<glm::vec3> points{}; // at least 4, not coplanar, relative to the origin

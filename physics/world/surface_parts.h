@@ -21,6 +21,22 @@
 
 namespace brittle::physics {
 
+// The facet of a surface that a hull lies under, in the axes of the points. Contacts press along its
+// normal; over a side they turn at most to the normal of the facet there. So a body slides over the seams of a plane as
+// over one face, and over ridges along the normal of the contact.
+struct SurfaceFacet {
+    struct Side {
+        glm::vec3 outward{0.0f};          // unit, in the plane of the facet, across the side
+        float cosine = 1.0f, sine = 0.0f; // of the angle to the facet beyond: 0 in a plane and in a valley
+    };
+    glm::vec3 normal{0.0f, 1.0f, 0.0f}; // unit
+    float depth = 0.0f;                 // m, thickness of the hull
+    std::vector<Side> sides{};          // of the facet that have one beyond
+
+    // The direction nearest to a unit direction along which contacts of the facet may press.
+    [[nodiscard]] glm::vec3 limit(glm::vec3 direction) const;
+};
+
 struct SurfacePartSettings {
     double max_depth = 0.25;   // m, thickness of a slab in a thick solid; a body that sinks deeper may come out below
     double min_depth = 0.004;  // m, thickness of a slab in a thin solid, which it may exceed
