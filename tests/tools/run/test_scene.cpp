@@ -9,6 +9,7 @@
 #include <glm/geometric.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "fracture/shapes/shapes.h"
 #include "tests/tools/replays.h"
 #include "tests/tools/support.h"
 #include "tools/brittle/recipe/recipe.h"
@@ -66,10 +67,16 @@ TEST_CASE("scene: a mesh that cannot be broken stays fixed, with a note, and oth
         folder.write("out.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 4 2\nf 1 3 4\nf 2 4 3\n").string();
     CHECK(load_scene(scene_of(R"({"mesh": ")" + inside_out + R"("})")).notes.at(0).find("face inwards")
           != std::string::npos);
+    for (const char* kind : {R"("bonded": true)", R"("anchored": true)", R"("shattered": true)"}) {
+        LoadedScene held = load_scene(scene_of(R"({"mesh": ")" + open + R"(", )" + kind + "}"));
+        Simulation simulation;
+        simulation.start(prepare_scene(held), held.world);
+        CHECK(simulation.world().fixed(simulation.body_of(0)));
+    }
     const FractureOptions scene =
         scene_of(R"({"name": "rug", "mesh": ")" + open + R"("}, {"name": "rug 2", "mesh": ")" + open
                  + R"("}, {"name": "box", "mesh": "shape:cube", "translation": [0, 3, 0]})");
-    const LoadedScene loaded = load_scene(scene);
+    LoadedScene loaded = load_scene(scene);
     REQUIRE(loaded.notes.size() == 2);
     CHECK(loaded.notes[0].find("rug stays whole and fixed") == 0);
     CHECK(loaded.objects[0].object.fixed);
@@ -83,6 +90,51 @@ TEST_CASE("scene: a mesh that cannot be broken stays fixed, with a note, and oth
     CHECK_FALSE(simulation.world().fixed(simulation.body_of(2)));
 }
 
+TEST_CASE("scene: a mesh that turns out not to be breakable when it is cut stays fixed, and others break") {
+    // Two spheres side by side, the smaller one inside out: closed, and of positive volume as a whole.
+    const Folder folder;
+    fracture::TriangleMesh mesh = fracture::icosphere(2, 1.0), hole = fracture::icosphere(2, 0.8);
+    const auto base = static_cast<uint32_t>(mesh.positions.size());
+    for (const glm::dvec3& p : hole.positions) mesh.positions.push_back(p + glm::dvec3(3.0, 0.0, 0.0));
+    for (const fracture::Triangle& t : hole.triangles)
+        mesh.triangles.emplace_back(base + t.x, base + t.z, base + t.y); // beside the first one, inside out
+    std::string text;
+    for (const glm::dvec3& p : mesh.positions)
+        text += "v " + std::to_string(p.x) + " " + std::to_string(p.y) + " " + std::to_string(p.z) + "\n";
+    for (const fracture::Triangle& t : mesh.triangles)
+        text += "f " + std::to_string(t.x + 1) + " " + std::to_string(t.y + 1) + " " + std::to_string(t.z + 1) + "\n";
+    const std::string file = folder.write("spheres.obj", text).string();
+    LoadedScene loaded = load_scene(scene_of(R"({"name": "a", "mesh": ")" + file + R"("}, {"name": "b", "mesh": ")"
+                                             + file + R"(", "translation": [0, 5, 0]}, {"mesh": "shape:cube"})"));
+    CHECK(loaded.notes.empty());
+    Simulation simulation;
+    simulation.start(prepare_scene(loaded), loaded.world);
+    CHECK(loaded.notes.size() == 2);
+    CHECK(simulation.piece_count() == 3);
+    CHECK(simulation.world().fixed(simulation.body_of(0)));
+    CHECK(simulation.world().fixed(simulation.body_of(1)));
+    CHECK_FALSE(simulation.world().fixed(simulation.body_of(2)));
+}
+
+TEST_CASE("scene: commands for one mesh refuse a scene, and render refuses what a scene cannot show") {
+    const Folder folder;
+    const std::string scene = BRITTLE_ASSETS "/worlds/staircase.json";
+    for (const std::string& command : {"fracture -o " + folder / "x.glb", std::string("profile"), std::string("demo")}) {
+        const Outcome outcome = run_brittle(folder, command + " " + scene);
+        CAPTURE(command);
+        CHECK(outcome.exit_code == exit_usage);
+        CHECK(outcome.has("the recipe is a scene of 5 objects"));
+    }
+    const std::string render = "render " + scene + " --frames 0 --size 32x32 -o " + folder / "x.png";
+    CHECK(run_brittle(folder, render + " --whole").has("no picture of whole"));
+    const Outcome exported = run_brittle(folder, render + " --export " + folder / "x.glb");
+    CHECK(exported.exit_code == exit_usage);
+    CHECK(exported.has("--export"));
+    CHECK_FALSE(std::filesystem::exists(folder / "x.png"));
+    CHECK(run_brittle(folder, render + " --material glass").has("have no effect on a scene"));
+    CHECK_FALSE(run_brittle(folder, render + " --air-density 0").has("have no effect on a scene"));
+}
+
 TEST_CASE("scene: objects stand where translation, rotation and scale put them, in the units of the files") {
     const Folder folder;
     const std::string box =
@@ -91,7 +143,7 @@ TEST_CASE("scene: objects stand where translation, rotation and scale put them, 
         scene_of(R"({"name": "a", "mesh": ")" + box + R"(", "translation": [1, 2, 3], "rotation": [30, -50, 70],
                                                  "scale": [2, 1, -1]})",
                  R"(, "units": "cm")");
-    const LoadedScene loaded = load_scene(scene);
+    LoadedScene loaded = load_scene(scene);
     glm::dmat4 oracle = glm::translate(glm::dmat4(1.0), {1.0, 2.0, 3.0});
     oracle = glm::rotate(oracle, glm::radians(70.0), {0.0, 0.0, 1.0});
     oracle = glm::rotate(oracle, glm::radians(-50.0), {0.0, 1.0, 0.0});
@@ -118,7 +170,7 @@ TEST_CASE("scene: objects that differ in place alone share mesh and solids") {
         {"mesh": "shape:vase", "translation": [1, 0, 0], "rotation": [0, 90, 0]},
         {"mesh": "shape:vase", "translation": [2, 0, 0], "material": "ceramic"},
         {"mesh": "shape:vase", "translation": [3, 0, 0], "scale": 2})");
-    const LoadedScene loaded = load_scene(scene);
+    LoadedScene loaded = load_scene(scene);
     CHECK(loaded.objects[0].input == loaded.objects[1].input);
     CHECK(loaded.objects[0].input == loaded.objects[2].input);
     CHECK(loaded.objects[0].input != loaded.objects[3].input);
@@ -141,7 +193,7 @@ TEST_CASE("scene: every kind of object in one world does what it says") {
             "pattern": {"type": "uniform", "count": 8}, "breakable": false},
            {"name": "pinned", "mesh": "shape:cube", "bonded": true, "anchored": true, "scale": 0.2,
             "translation": [3, 1.5, 0], "breakable": false, "pattern": {"type": "uniform", "count": 8}})");
-    const LoadedScene loaded = load_scene(scene);
+    LoadedScene loaded = load_scene(scene);
     Simulation simulation;
     simulation.start(prepare_scene(loaded), loaded.world);
     const std::map<std::string, size_t> start{{"table", 1}, {"rigid", 1}, {"whole", 1}, {"bonded", 8},
@@ -186,7 +238,7 @@ TEST_CASE("scene: a scene of one object has the state hashes of a recipe of one 
     one.world.height = 0.0;
     const fracture::Fragments whole = break_input(placed_on_stage(load_input(one), one.world), one).fragments;
     const FractureOptions scene = scene_of(R"({"mesh": "shape:arch", "material": "stone"})");
-    const LoadedScene loaded = load_scene(scene);
+    LoadedScene loaded = load_scene(scene);
     Simulation alone("stone"), in_scene;
     alone.start(whole, world_of(one));
     in_scene.start(prepare_scene(loaded), loaded.world);
@@ -202,7 +254,7 @@ TEST_CASE("scene: a scene of one object has the state hashes of a recipe of one 
 
 TEST_CASE("scene: the room is calm until the first shot, then pane, dishes and wall break, and a replay is equal") {
     const FractureOptions scene = world_file("room_with_a_view");
-    const LoadedScene loaded = load_scene(scene);
+    LoadedScene loaded = load_scene(scene);
     CHECK(loaded.notes.empty());
     const Folder folder;
     {
@@ -237,7 +289,7 @@ TEST_CASE("scene: the room is calm until the first shot, then pane, dishes and w
     for (const uint32_t threads : {1u, 2u, 7u}) {
         FractureOptions again = log.recipe;
         again.threads = threads;
-        const LoadedScene same = load_scene(again);
+        LoadedScene same = load_scene(again);
         Simulation simulation;
         Player player(log);
         simulation.observe(&player);

@@ -14,6 +14,7 @@ namespace brittle::tools {
 
 int run_demo(const DemoCommand& command) {
     catch_interrupts();
+    refuse_scene(command.fracture);
     const auto window =
         must(engine::Window::create({.title = "Brittle", .width = command.view.width, .height = command.view.height}));
     const auto object = Object::load(command.fracture);

@@ -118,14 +118,38 @@ void write_graph(const RenderCommand& command, const engine::Renderer& renderer)
     must(fracture::write_file_atomically(command.graph, std::as_bytes(std::span(dot))));
 }
 
+// Refuses what a scene cannot show, and warns of options of one mesh, which its objects have themselves.
+void check_scene_options(const RenderCommand& command) {
+    refuse_export_of_scene(command.fracture, command.pieces.files);
+    const PictureOptions& picture = command.fracture.picture;
+    const std::pair<bool, const char*> of_one_mesh[] = {
+        {picture.whole, "whole"}, {picture.planes > 0, "planes"}, {picture.sites, "sites"}, {picture.cells, "cells"}};
+    for (const auto& [given, name] : of_one_mesh)
+        if (given) throw Failure(exit_usage, std::string("a scene of several objects has no picture of ") + name);
+    FractureOptions rest = command.fracture, plain;
+    rest.objects.clear();
+    for (FractureOptions* options : {&rest, &plain}) {
+        options->units = {};
+        options->picture = {};
+        WorldOptions& world = options->world;
+        world.engine = {};
+        world.air_density = 0.0;
+        world.max_colliding = world.piece_limit = 0;
+        world.shots.clear();
+        world.joints.clear();
+    }
+    if (recipe_json(rest) != recipe_json(plain))
+        std::fputs("brittle: options of one mesh, such as --material and --pieces, have no effect on a scene; its "
+                   "recipe has them for each object\n",
+                   stderr);
+}
+
 // Loads a scene, puts it on a stage and draws it.
 int render_scene(const RenderCommand& command, const FilmOptions& film_options) {
     const PictureOptions& picture = command.fracture.picture;
-    if (!command.pieces.files.output.empty())
-        throw Failure(exit_usage, "--export: cannot export a scene yet; export its objects one by one");
-    const LoadedScene scene = load_scene(command.fracture);
+    check_scene_options(command);
+    LoadedScene scene = load_scene(command.fracture);
     if (!command.fracture.save_recipe.empty()) write_recipe(command.fracture.save_recipe, command.fracture);
-    for (const std::string& note : scene.notes) std::fprintf(stderr, "brittle: %s\n", note.c_str());
     const std::unique_ptr<engine::Device> device = open_device(command.view);
     const auto renderer = must(engine::Renderer::create(*device, film_settings(command.view)));
     Stage stage(*renderer, scene.home);
@@ -139,6 +163,7 @@ int render_scene(const RenderCommand& command, const FilmOptions& film_options) 
         stage.stand(prepare_scene(scene, payload_maker(*renderer), [&](double share) { progress.update(share); }),
                     scene.world);
     }
+    for (const std::string& note : scene.notes) std::fprintf(stderr, "brittle: %s\n", note.c_str());
     stage.show_hulls(picture.hulls);
     stage.explode(picture.explode);
     Film film(*renderer, film_options, picture, command.view, stage.home_bounds());

@@ -44,7 +44,8 @@ struct Run {
 Run load_run(const ReplayCommand& command, const ReplayLog& log) {
     Run run{command, log};
     if (run.of_scene()) {
-        run.scene = load_scene(log.recipe, !command.pieces.files.output.empty());
+        refuse_export_of_scene(log.recipe, command.pieces.files);
+        run.scene = load_scene(log.recipe);
         return run;
     }
     run.source = load_input(log.recipe, !command.pieces.files.output.empty());
@@ -58,14 +59,13 @@ Run load_run(const ReplayCommand& command, const ReplayLog& log) {
 void write_pieces_of(const Run& run, const Player& player, const Simulation& simulation) {
     const StateExport& pieces = run.command.pieces;
     if (pieces.files.output.empty() || player.difference()) return;
-    if (run.of_scene()) throw Failure(exit_usage, "--export: cannot export a scene yet; export its objects one by one");
     const Snapshot state = snapshot(simulation, run.fragments);
     const auto files = write_state(pieces.files, pieces_as(pieces.as), run.log.recipe, run.source, state);
     std::printf("%s: %s\n", run.source.name.c_str(), written_text(state.pieces.size(), files).c_str());
 }
 
 // Replays without a device and stops at the first difference.
-void replay(const Run& run, Player& player) {
+void replay(Run& run, Player& player) {
     Simulation simulation(run.log.recipe.material);
     simulation.observe(&player);
     follow(run.log, simulation);
@@ -81,7 +81,7 @@ void replay(const Run& run, Player& player) {
 
 // Replays and draws. Goes on after a difference, so that its consequences are visible, except if the initial pieces
 // differ from the log's.
-void draw(const Run& run, Player& player) {
+void draw(Run& run, Player& player) {
     const ReplayCommand& command = run.command;
     const ReplayLog& log = run.log;
     const std::unique_ptr<engine::Device> device = open_device(command.view);
@@ -122,7 +122,7 @@ int run_replay(const ReplayCommand& command) {
     catch_interrupts();
     ReplayLog log = read_replay_log(command.log);
     log.recipe.threads = command.threads;
-    const Run run = load_run(command, log);
+    Run run = load_run(command, log);
     Player player(log);
     if (command.pictures.empty() && command.video.empty())
         replay(run, player);

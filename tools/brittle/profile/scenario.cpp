@@ -64,6 +64,7 @@ std::string sites_name(const FractureOptions& options) {
 }
 
 Scenario make_scenario(const ScenarioGroup& group, FractureOptions options, const std::string& classify) {
+    refuse_scene(options);
     if (options.mesh.empty())
         throw Failure(exit_usage, "no mesh to profile: give MESH, --meshes A,B or a recipe that names one");
     const std::string name =

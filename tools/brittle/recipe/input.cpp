@@ -260,10 +260,14 @@ std::string overlap_of(const fracture::TriangleMesh& mesh) {
     return overlap_text(fracture::measure_union(mesh));
 }
 
+void refuse_scene(const FractureOptions& options) {
+    if (!is_scene(options)) return;
+    throw Failure(exit_usage, "the recipe is a scene of " + std::to_string(options.objects.size())
+                                  + " objects; this command takes one mesh. `brittle render` draws scenes");
+}
+
 Input load_input(const FractureOptions& options, bool with_looks) {
-    if (is_scene(options))
-        throw Failure(exit_usage, "the recipe is a scene of " + std::to_string(options.objects.size())
-                                      + " objects; this command takes one mesh. `brittle render` draws scenes");
+    refuse_scene(options);
     if (options.mesh.empty()) throw Failure(exit_usage, "no mesh: give a file, shape:NAME, or a recipe that names one");
     const InterruptDeadline deadline; // nothing is lost yet
     Input input = load_mesh_only(options.mesh, with_looks);

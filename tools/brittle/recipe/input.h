@@ -142,6 +142,9 @@ struct SiteSet {
 // its group has number 0.
 [[nodiscard]] std::vector<PlacedSite> placed_sites(const SiteSet& set);
 
+// Throws a Failure with exit_usage for a scene. For commands that take one mesh.
+void refuse_scene(const FractureOptions& options);
+
 // Loads the mesh (`shape:NAME` is a procedural shape, any other name a file), writes save_recipe if it is set, prepares
 // the mesh and generates the sites. A pattern is placed in the mesh's box. Throws a Failure. `with_looks`: with
 // materials and textures.

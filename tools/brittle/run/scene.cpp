@@ -10,12 +10,15 @@
 #include <glm/common.hpp>
 #include <glm/gtc/quaternion.hpp>
 #include <glm/trigonometric.hpp>
+#include <nlohmann/json.hpp>
 
 #include "fracture/mesh/mass_properties.h"
 #include "fracture/mesh/topology.h"
 #include "tools/brittle/base/failure.h"
 #include "tools/brittle/base/interrupt.h"
+#include "tools/brittle/recipe/json_reader.h"
 #include "tools/brittle/recipe/recipe.h"
+#include "tools/brittle/recipe/world_json.h"
 
 namespace brittle::tools {
 
@@ -34,17 +37,15 @@ std::string mesh_key(const SceneObject& object) {
     mesh.mesh = object.recipe.mesh;
     mesh.repair = object.recipe.repair;
     mesh.unite = object.recipe.unite;
-    const glm::dvec3& scale = object.placement.scale;
-    mesh.world.anchors.push_back({scale, 1.0}); // any place for three numbers
-    return recipe_json(mesh) + (object.fixed ? " fixed" : "");
+    return recipe_json(mesh) + text_of(vector_json(object.placement.scale)) + (object.fixed ? " fixed" : "");
 }
 
 // Equal for objects of one mesh whose solids are equal. The place counts where the lowest part is anchored.
 std::string solid_key(const SceneObject& object) {
     FractureOptions own = object.recipe;
     if (!is_cut_at_start(object)) own.pattern.seed = 0;
-    if (own.world.anchored) own.world.anchors.push_back({object.placement.rotation, 1.0});
-    return recipe_json(own) + (object.shattered ? " shattered" : "") + (object.fixed ? " fixed" : "");
+    const std::string turn = own.world.anchored ? text_of(vector_json(object.placement.rotation)) : "";
+    return recipe_json(own) + turn + (object.shattered ? " shattered" : "") + (object.fixed ? " fixed" : "");
 }
 
 void scale_mesh(TriangleMesh& mesh, const glm::dvec3& scale) {
@@ -54,8 +55,8 @@ void scale_mesh(TriangleMesh& mesh, const glm::dvec3& scale) {
 }
 
 // Loads an object's mesh, in metres of the object, ready for a fracture unless it is fixed.
-Input load_object(const SceneObject& object, LengthUnit units, bool with_looks) {
-    Input input = load_mesh_only(object.recipe.mesh, with_looks);
+Input load_object(const SceneObject& object, LengthUnit units) {
+    Input input = load_mesh_only(object.recipe.mesh);
     input.name = object.name;
     const double metres = object.recipe.mesh.starts_with("shape:") ? 1.0 : metres_of(units);
     input.scale = metres * std::abs(object.placement.scale.x);
@@ -81,16 +82,29 @@ struct LoadedMesh {
     std::string fault; // why the mesh cannot be broken
 };
 
+// Turns an object whose mesh cannot be broken into a fixed one.
+void fix(SceneObject& object) {
+    object.fixed = true;
+    object.shattered = false;
+    WorldOptions& world = object.recipe.world;
+    world.bonded = world.anchored = false;
+    world.anchors.clear();
+}
+
+std::string note_of(const SceneObject& object, const std::string& fault) {
+    return object.name + " stays whole and fixed: " + fault;
+}
+
 // A mesh that cannot be broken is loaded as that of a fixed object.
-LoadedMesh load(SceneObject object, LengthUnit units, bool with_looks) {
+LoadedMesh load(SceneObject object, LengthUnit units) {
     LoadedMesh mesh;
     try {
-        mesh.input = std::make_shared<const Input>(load_object(object, units, with_looks));
+        mesh.input = std::make_shared<const Input>(load_object(object, units));
     } catch (const Failure& failure) {
         if (failure.code() != exit_mesh) throw;
         mesh.fault = failure.what();
-        object.fixed = true;
-        mesh.input = std::make_shared<const Input>(load_object(object, units, with_looks));
+        fix(object);
+        mesh.input = std::make_shared<const Input>(load_object(object, units));
     }
     return mesh;
 }
@@ -121,7 +135,7 @@ glm::dquat rotation_of(const ObjectPlacement& placement) {
            * glm::angleAxis(angle.x, glm::dvec3(1.0, 0.0, 0.0));
 }
 
-LoadedScene load_scene(const FractureOptions& scene, bool with_looks) {
+LoadedScene load_scene(const FractureOptions& scene) {
     const InterruptDeadline deadline;
     LoadedScene loaded{.world = scene.world, .threads = scene.threads};
     loaded.world.height = 0.0;
@@ -132,13 +146,13 @@ LoadedScene load_scene(const FractureOptions& scene, bool with_looks) {
         made.placement = {glm::vec3(object.placement.translation), glm::quat(rotation_of(object.placement))};
         LoadedMesh& mesh = meshes[mesh_key(object)];
         try {
-            if (!mesh.input) mesh = load(object, scene.units, with_looks);
+            if (!mesh.input) mesh = load(object, scene.units);
         } catch (const Failure& failure) {
             throw Failure(failure.code(), "object " + object.name + ": " + failure.what());
         }
         if (!mesh.fault.empty()) {
-            loaded.notes.push_back(object.name + " stays whole and fixed: " + mesh.fault);
-            made.object.fixed = true;
+            loaded.notes.push_back(note_of(object, mesh.fault));
+            fix(made.object);
         }
         made.input = mesh.input;
         made.box = box_in_world(mesh.input->model.mesh, made.placement);
@@ -169,23 +183,40 @@ PreparedObject prepare_object(const LoadedScene& scene, const LoadedObject& load
     return made;
 }
 
+// An object that turns out not to be breakable only when it is cut, such as one that passes through itself, becomes
+// fixed.
+PreparedObject prepare_or_fix(LoadedScene& scene, LoadedObject& loaded, const physics::PayloadMaker& payload) {
+    try {
+        return prepare_object(scene, loaded, payload);
+    } catch (const Failure& failure) {
+        if (failure.code() != exit_mesh || loaded.object.fixed) throw;
+        scene.notes.push_back(note_of(loaded.object, failure.what()));
+        fix(loaded.object);
+    }
+    return prepare_object(scene, loaded, payload);
+}
+
 } // namespace
 
-std::vector<PreparedObject> prepare_scene(const LoadedScene& scene, const physics::PayloadMaker& payload,
+std::vector<PreparedObject> prepare_scene(LoadedScene& scene, const physics::PayloadMaker& payload,
                                           const std::function<void(double)>& progress) {
     std::vector<PreparedObject> objects;
     std::map<std::pair<const Input*, std::string>, size_t> known;
-    for (const LoadedObject& loaded : scene.objects) {
+    for (LoadedObject& loaded : scene.objects) {
         throw_if_interrupted();
         if (progress) progress(static_cast<double>(objects.size()) / static_cast<double>(scene.objects.size()));
         const auto key = std::pair(loaded.input.get(), solid_key(loaded.object));
         const auto [at, is_new] = known.try_emplace(key, objects.size());
         try {
             if (is_new) {
-                objects.push_back(prepare_object(scene, loaded, payload));
+                objects.push_back(prepare_or_fix(scene, loaded, payload));
                 continue;
             }
             const PreparedObject& like = objects[at->second];
+            if (like.fixed() && !loaded.object.fixed) {
+                scene.notes.push_back(note_of(loaded.object, "as " + like.name));
+                fix(loaded.object);
+            }
             PreparedObject copy{.name = loaded.object.name,
                                 .fragments = like.fragments,
                                 .surface = like.surface,

@@ -39,12 +39,12 @@ struct LoadedScene {
     std::vector<std::string> notes{}; // for people: meshes that cannot be broken, and why
 };
 
-// `with_looks`: with materials and textures. Throws a Failure.
-[[nodiscard]] LoadedScene load_scene(const FractureOptions& scene, bool with_looks = false);
+// Throws a Failure.
+[[nodiscard]] LoadedScene load_scene(const FractureOptions& scene);
 
-// Breaks and prepares the objects, in their order. `progress` is called with shares from 0 to 1. Throws a Failure.
-[[nodiscard]] std::vector<PreparedObject> prepare_scene(const LoadedScene& scene,
-                                                        const physics::PayloadMaker& payload = {},
+// Breaks and prepares the objects, in their order. An object that cannot be cut becomes fixed, with a note in the scene.
+// `progress` is called with shares from 0 to 1. Throws a Failure.
+[[nodiscard]] std::vector<PreparedObject> prepare_scene(LoadedScene& scene, const physics::PayloadMaker& payload = {},
                                                         const std::function<void(double)>& progress = {});
 
 // Rotation of a placement: about X, then Y, then Z.

@@ -133,7 +133,7 @@ class Simulation {
     [[nodiscard]] const physics::Structure* structure() const;
     [[nodiscard]] std::vector<const physics::Structure*> structures() const; // of all objects that have bonds
     [[nodiscard]] const physics::Destruction* destruction() const { return destruction_ ? &*destruction_ : nullptr; }
-    [[nodiscard]] const physics::MaterialPreset* material() const { return material_; } // of the first object
+    [[nodiscard]] const physics::MaterialPreset* material() const { return material_; } // of the constructor
 
     // An object of the run.
     struct Member {

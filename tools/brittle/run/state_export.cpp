@@ -222,6 +222,11 @@ std::vector<std::filesystem::path> write_state(const ExportSettings& settings, P
     return must(fracture::export_pieces(settings.output, live.fragments, certificate, options));
 }
 
+void refuse_export_of_scene(const FractureOptions& recipe, const ExportSettings& settings) {
+    if (is_scene(recipe) && !settings.output.empty())
+        throw Failure(exit_usage, "--export: the pieces of a scene cannot be exported; export its objects one by one");
+}
+
 std::string written_text(size_t pieces, const std::vector<std::filesystem::path>& files) {
     std::string text = std::to_string(pieces) + (pieces == 1 ? " piece" : " pieces");
     if (!files.empty()) text += " in " + files.front().string();

@@ -61,6 +61,9 @@ std::vector<std::filesystem::path> write_state(const ExportSettings& settings, P
                                                const FractureOptions& recipe, const Input& source,
                                                const Snapshot& state, const std::function<bool()>& cancelled = {});
 
+// Throws a Failure with exit_usage for a scene, whose pieces cannot be exported yet.
+void refuse_export_of_scene(const FractureOptions& recipe, const ExportSettings& settings);
+
 // Returns a text for people: "57 pieces in rubble.glb", "... and 56 more".
 [[nodiscard]] std::string written_text(size_t pieces, const std::vector<std::filesystem::path>& files);
 

@@ -27,6 +27,7 @@ std::vector<uint32_t> all_triangles(const fracture::TriangleMesh& mesh) {
 } // namespace
 
 std::shared_ptr<const Object> Object::load(const FractureOptions& options) {
+    refuse_scene(options);
     Input input = load_mesh_only(options.mesh);
     input.units = options.units;
     prepare_mesh(options, input);
