@@ -119,7 +119,8 @@ TEST_CASE("scene: a mesh that turns out not to be breakable when it is cut stays
 TEST_CASE("scene: commands for one mesh refuse a scene, and render refuses what a scene cannot show") {
     const Folder folder;
     const std::string scene = BRITTLE_ASSETS "/worlds/staircase.json";
-    for (const std::string& command : {"fracture -o " + folder / "x.glb", std::string("profile"), std::string("demo")}) {
+    for (const std::string& command :
+         {"fracture -o " + folder / "x.glb", std::string("profile"), std::string("demo")}) {
         const Outcome outcome = run_brittle(folder, command + " " + scene);
         CAPTURE(command);
         CHECK(outcome.exit_code == exit_usage);
