@@ -102,10 +102,10 @@ fracture::Settings settings_of(const brittle_fracture_settings& given, const bri
 void refuse_open(const fracture::TriangleMesh& mesh) {
     const fracture::TopologyReport report = fracture::check_topology(mesh.positions.size(), mesh.triangles);
     if (report.closed()) return;
-    refuse("the mesh is not closed: " + fracture::describe(report) + "; brittle_mesh_repair() closes most meshes",
-           report.open_edges > 0           ? BRITTLE_NOT_CLOSED
-           : report.non_manifold_edges > 0 ? BRITTLE_NON_MANIFOLD
-                                           : BRITTLE_NOT_ORIENTED);
+    refuse("the mesh is not closed: " + fracture::describe(report) + remedy, report.open_edges > 0 ? BRITTLE_NOT_CLOSED
+                                                                             : report.non_manifold_edges > 0
+                                                                                 ? BRITTLE_NON_MANIFOLD
+                                                                                 : BRITTLE_NOT_ORIENTED);
 }
 
 } // namespace

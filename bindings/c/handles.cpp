@@ -70,6 +70,10 @@ brittle_status status_of(fracture::Status status) {
     return static_cast<brittle_status>(status) + 1;
 }
 
+bool repairable(brittle_status status) {
+    return status >= BRITTLE_NOT_CLOSED && status <= BRITTLE_INSIDE_OUT;
+}
+
 brittle_status report(brittle_error* error, brittle_status status, std::string_view message) noexcept {
     if (!error) return status;
     const size_t head = offsetof(brittle_error, message);

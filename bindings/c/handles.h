@@ -79,10 +79,17 @@ struct Refusal {
     throw Refusal{status, std::move(message)};
 }
 
+// What a mesh that does not bound a solid needs, in words that suit every language.
+inline constexpr const char* remedy = "; repair the mesh first, and inspect it for all flaws";
+[[nodiscard]] bool repairable(brittle_status status);
+
 // The value of a result, or a Refusal with its error.
 template<class T>
 T must(fracture::Result<T> result) {
-    if (!result) throw Refusal{status_of(result.error().status), result.error().message};
+    if (!result) {
+        const brittle_status status = status_of(result.error().status);
+        throw Refusal{status, result.error().message + (repairable(status) ? remedy : "")};
+    }
     if constexpr (!std::is_void_v<T>) return *std::move(result);
 }
 
