@@ -373,6 +373,29 @@ BRITTLE_API brittle_status brittle_pieces_save_memory(const brittle_pieces* piec
                                                       const brittle_export_settings* settings, brittle_files** out,
                                                       brittle_error* error);
 
+/* ---- Materials ------------------------------------------------------------------------------------------------- */
+
+/* Handbook values of a material, and how it breaks and looks. */
+typedef struct brittle_material {
+    uint32_t struct_size;
+    uint32_t rough_detail; /* as in brittle_fracture_settings */
+    const char* name;      /* static text */
+    double density;        /* kg/m^3 */
+    double friction, restitution;
+    double tensile, compressive, shear; /* strengths, Pa */
+    double fracture_toughness;          /* K_IC, Pa m^1/2 */
+    double fracture_energy;             /* J/m^2, that a blow spends on new surface */
+    const char* pattern;                /* kind of brittle_pattern, static text; the next four are its fields */
+    double pattern_jitter, pattern_spread, pattern_slenderness;
+    double pattern_axis[3];
+    double roughness, rough_grain[3]; /* as in brittle_fracture_settings */
+    double exterior[3], interior[3];  /* linear colours of the original surface and of cuts */
+} brittle_material;
+/* "glass", "stone", "concrete", "wood", "ceramic" and "brick" for 0 to 5; NULL beyond. The text is static. */
+BRITTLE_API const char* brittle_material_name(uint32_t index);
+/* out->struct_size must be set. An unknown name is an invalid_argument, and the message lists all names. */
+BRITTLE_API brittle_status brittle_material_get(const char* name, brittle_material* out, brittle_error* error);
+
 /* ---- Destruction ----------------------------------------------------------------------------------------------- */
 
 typedef struct brittle_world brittle_world;

@@ -539,6 +539,26 @@ static void test_world(void) {
     brittle_world_free(world);
 }
 
+static void test_materials(void) {
+    brittle_material material;
+    uint32_t index;
+    memset(&material, 0, sizeof material);
+    material.struct_size = sizeof material;
+    for (index = 0; index < 6; ++index) {
+        CHECK(brittle_material_get(brittle_material_name(index), &material, NULL) == BRITTLE_OK);
+        CHECK(strcmp(material.name, brittle_material_name(index)) == 0);
+        CHECK(material.density >= 700.0 && material.density <= 2600.0 && material.tensile >= 1e6);
+    }
+    CHECK(brittle_material_name(6) == NULL && brittle_material_name(0xffffffffu) == NULL);
+    CHECK(brittle_material_get("wood", &material, NULL) == BRITTLE_OK);
+    CHECK(strcmp(material.pattern, "splinters") == 0 && material.density == 700.0
+          && material.pattern_slenderness > 1.0);
+    CHECK_ERROR(brittle_material_get("rubber", &material, &error), BRITTLE_INVALID_ARGUMENT, "glass, stone");
+    CHECK_ERROR(brittle_material_get(NULL, &material, &error), BRITTLE_INVALID_ARGUMENT, "name is NULL");
+    CHECK_ERROR(brittle_material_get("wood", NULL, &error), BRITTLE_INVALID_ARGUMENT, "out is NULL");
+    CHECK(strcmp(material.name, "wood") == 0);
+}
+
 int main(int count, char** arguments) {
     if (count != 3) {
         fprintf(stderr, "usage: test_c BUNNY MESH, or test_c --hash MESH\n");
@@ -551,6 +571,7 @@ int main(int count, char** arguments) {
     test_meshes();
     test_pieces();
     test_bad_arguments();
+    test_materials();
     test_world();
     test_hash(arguments[2]);
     {

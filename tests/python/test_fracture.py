@@ -14,11 +14,15 @@ from conftest import BUNNY, is_closed, volume
 @pytest.mark.parametrize("options, arguments", [
     ({}, []),
     ({"roughness": 0.3}, ["--roughness", "0.3"]),
-    ({"pattern": "radial", "focus": (0.2, 0.5, 0.9)}, ["--pattern", "radial", "--focus", "0.2,0.5,0.9", "--inside"]),
+    ({"pattern": "radial", "focus": (0.2, 0.5, 0.9)}, ["--pattern", "radial", "--focus", "0.2,0.5,0.9"]),
+    ({"pattern": "grid", "inside": True}, ["--pattern", "grid", "--inside"]),
+    *(({"material": name}, ["--material", name]) for name in brittle.MATERIALS),
+    ({"material": "stone", "roughness": 0.2, "detail": 1},
+     ["--material", "stone", "--roughness", "0.2", "--detail", "1"]),
 ])
 def test_hash_is_that_of_the_command_line(bunny, command_hash, options, arguments):
-    broken = brittle.fracture(bunny, sites=100, seed=1, **options)
-    assert broken.hash == command_hash(BUNNY, "-n", "100", "--seed", "1", *arguments)
+    broken = brittle.fracture(bunny, sites=100, seed=3, **options)
+    assert broken.hash == command_hash(BUNNY, "-n", "100", "--seed", "3", *arguments)
 
 
 def test_pieces_do_not_depend_on_the_number_of_threads(bunny):

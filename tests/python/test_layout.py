@@ -10,7 +10,7 @@ STRUCTURES = {
     "error": lib.Error, "array": lib.Array, "mesh_arrays": lib.MeshArrays, "inspection": lib.InspectionStruct,
     "repair_settings": lib.RepairSettings, "pattern": lib.Pattern, "fracture_settings": lib.FractureSettings,
     "certificate": lib.CertificateStruct, "export_settings": lib.ExportSettings, "world_settings": lib.WorldSettings,
-    "anchor": lib.Anchor, "object_settings": lib.ObjectSettings,
+    "anchor": lib.Anchor, "material": lib.MaterialStruct, "object_settings": lib.ObjectSettings,
 }
 
 

@@ -90,5 +90,5 @@ def test_files(tmp_path, bunny):
 
 
 def test_help_reads_well():
-    for thing in (getattr(brittle, name) for name in brittle.__all__):
+    for thing in (getattr(brittle, name) for name in brittle.__all__ if name != "MATERIALS"):
         assert thing.__doc__ and not thing.__doc__.startswith(thing.__name__ + "("), thing

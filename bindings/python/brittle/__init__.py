@@ -3,7 +3,7 @@
     import brittle
 
     mesh = brittle.load("bunny.obj")
-    broken = brittle.fracture(mesh, sites=100, seed=1, roughness=0.3)
+    broken = brittle.fracture(mesh, sites=100, seed=1, material="stone")
     print(broken.pieces[0].vertices, broken.certificate.closed)
     broken.export("pieces.glb")
 
@@ -14,10 +14,12 @@ BrittleError, with the name of the status.
 from ._fracture import Certificate, Fracture, Piece, Sites, SurfacePart, fracture, load_sites, make_sites
 from ._library import (ArgumentError, BrittleError, Cancelled, CancelToken, MissingFileError, OutOfMemoryError,
                        version as _version)
+from ._material import MATERIALS, Material, material
 from ._mesh import Inspection, Mesh, box, load, load_bytes, shape
 from ._world import AddedPiece, Events, World
 
 __version__ = _version()
 __all__ = ["AddedPiece", "ArgumentError", "BrittleError", "CancelToken", "Cancelled", "Certificate", "Events",
-           "Fracture", "Inspection", "Mesh", "MissingFileError", "OutOfMemoryError", "Piece", "Sites", "SurfacePart",
-           "World", "box", "fracture", "load", "load_bytes", "load_sites", "make_sites", "shape"]
+           "Fracture", "Inspection", "MATERIALS", "Material", "Mesh", "MissingFileError", "OutOfMemoryError", "Piece",
+           "Sites", "SurfacePart", "World", "box", "fracture", "load", "load_bytes", "load_sites", "make_sites",
+           "material", "shape"]

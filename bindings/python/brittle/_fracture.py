@@ -9,7 +9,7 @@ from typing import Any, Callable, Iterator, Optional, Union, overload
 import numpy as np
 
 from . import _library as lib
-from . import _picture
+from . import _material, _picture
 from ._mesh import as_mesh, count as _count
 
 _SEED = 0xffffffffffffffff
@@ -58,20 +58,36 @@ def load_sites(path: Any) -> Sites:
     return Sites._of(handle)
 
 
-def make_sites(mesh: Any, count: int = 20, *, seed: int = 1, pattern: str = "uniform", piece_size: float = 0.0,
-               jitter: float = -1.0, focus: Any = (0.5, 0.5, 0.5), axis: Any = (0.0, 1.0, 0.0), spread: float = 0.15,
-               slenderness: float = 8.0, grading: float = 0.0, cells_per_piece: int = 1, inside: bool = True,
-               line: Any = None) -> Sites:
+def make_sites(mesh: Any, count: int = 20, *, seed: int = 1, pattern: Optional[str] = None, piece_size: float = 0.0,
+               jitter: Optional[float] = None, focus: Any = None, axis: Any = None, spread: Optional[float] = None,
+               slenderness: Optional[float] = None, grading: float = 0.0, cells_per_piece: int = 1,
+               inside: Optional[bool] = None, line: Any = None, material: Optional[str] = None) -> Sites:
     """The sites of a pattern: uniform, clustered, radial, grid, bricks, slices, splinters, curve, curvature or
-    thickness. focus and line: from 0 to 1 along each side of the mesh's box. The defaults are those of the program."""
+    thickness.
+
+    material: one of MATERIALS gives pattern, jitter, axis, spread and slenderness where they are left out.
+    piece_size: m; it replaces count. jitter: 0 to 1. focus and line: from 0 to 1 along each side of the mesh's box.
+    spread: of a clustered pattern, as a share of the box's diagonal. slenderness: of splinters. grading: spread of the
+    sizes of pieces, 0 to 1. inside: only sites inside the solid; by default those of uniform and clustered patterns.
+    """
     settings = lib.defaults("pattern")
-    settings.kind = pattern.encode()
+    if material is not None:
+        stuff = _material.material(material)
+        settings.kind, settings.jitter, settings.spread = stuff.pattern.encode(), stuff.pattern_jitter, stuff.pattern_spread
+        settings.slenderness, settings.axis = stuff.pattern_slenderness, stuff.pattern_axis
+    if pattern is not None:
+        settings.kind = pattern.encode()
+    settings.kind = settings.kind or b"uniform"
     settings.count, settings.seed = _count(count, "count"), _count(seed, "seed", _SEED)
-    settings.piece_size, settings.jitter, settings.spread = piece_size, jitter, spread
-    settings.slenderness, settings.grading = slenderness, grading
-    settings.focus = lib.vector(focus, 3, "focus", c_double)
-    settings.axis = lib.vector(axis, 3, "axis", c_double)
-    settings.cells_per_piece, settings.inside = _count(cells_per_piece, "cells_per_piece"), int(inside)
+    settings.piece_size, settings.grading = piece_size, grading
+    for name, number in (("jitter", jitter), ("spread", spread), ("slenderness", slenderness)):
+        if number is not None:
+            setattr(settings, name, number)
+    for name, numbers in (("focus", focus), ("axis", axis)):
+        if numbers is not None:
+            setattr(settings, name, lib.vector(numbers, 3, name, c_double))
+    settings.cells_per_piece = _count(cells_per_piece, "cells_per_piece")
+    settings.inside = int(settings.kind in (b"uniform", b"clustered") if inside is None else inside)
     points = None if line is None else lib.floats(line, 3, "line")
     settings.line = lib.describe(points)
     handle = lib.Handle("sites")
@@ -319,21 +335,24 @@ class Fracture:
                                f"{len(self.pieces)} pieces, {len(faces)} faces, {self.volumes.sum():.4g} m\u00b3")
 
 
-def fracture(mesh: Any, sites: Union[int, Sites, Any] = 100, *, seed: int = 1, pattern: str = "uniform",
-             roughness: float = 0.0, wavelength: float = 0.0, grain: Any = (0.0, 0.0, 0.0), detail: int = 1,
-             min_volume: float = 0.0, threads: int = 0, progress: Optional[Callable[[float], None]] = None,
-             cancel: Optional[lib.CancelToken] = None, **pattern_options: Any) -> Fracture:
+def fracture(mesh: Any, sites: Union[int, Sites, Any] = 100, *, seed: int = 1, material: Optional[str] = None,
+             roughness: Optional[float] = None, wavelength: float = 0.0, grain: Any = None,
+             detail: Optional[int] = None, min_volume: float = 0.0, threads: int = 0,
+             progress: Optional[Callable[[float], None]] = None, cancel: Optional[lib.CancelToken] = None,
+             **pattern_options: Any) -> Fracture:
     """Cuts a closed mesh into watertight pieces.
 
     sites: their number, of the pattern; or Sites; or an array (n, 3). `pattern_options` are those of make_sites().
-    roughness: of the cuts, from 0 (flat) to 1; wavelength, m; grain: direction of fibres, its length the stretch.
+    material: one of MATERIALS gives pattern, roughness, grain and detail where they are left out.
+    roughness: of the cuts, from 0 (flat) to 1; wavelength: of the largest bumps, m, 0 for the distance of sites; grain:
+    direction of the grain, its length the stretch along it, 1/16 to 16; detail: octaves, 1 to 6.
     min_volume: smaller pieces join a neighbour, m^3. threads: 0 for one per core; pieces do not depend on it.
     progress: called with the share done, on another thread. Ctrl+C and `cancel` end the call within about 0.1 s.
     Raises BrittleError with status and remedy for a mesh or setting that cannot be used, Cancelled for `cancel`.
     """
     solid = as_mesh(mesh)
     if isinstance(sites, (int, np.integer)):
-        given = make_sites(solid, int(sites), seed=seed, pattern=pattern, **pattern_options)
+        given = make_sites(solid, int(sites), seed=seed, material=material, **pattern_options)
     elif pattern_options:
         raise TypeError(f"{', '.join(pattern_options)}: options of a pattern need a number of sites")
     else:
@@ -341,9 +360,17 @@ def fracture(mesh: Any, sites: Union[int, Sites, Any] = 100, *, seed: int = 1, p
     token = cancel if cancel is not None else lib.CancelToken()
     settings = lib.defaults("fracture_settings")
     settings.threads, settings.min_volume = _count(threads, "threads"), min_volume
-    settings.roughness, settings.rough_wavelength = roughness, wavelength
-    settings.rough_grain = lib.vector(grain, 3, "grain", c_double)
-    settings.rough_detail, settings.rough_seed = _count(detail, "detail"), _count(seed, "seed", _SEED)
+    if material is not None:
+        stuff = _material.material(material)
+        settings.roughness, settings.rough_grain = stuff.roughness, stuff.rough_grain
+        settings.rough_detail = stuff.rough_detail
+    if roughness is not None:
+        settings.roughness = roughness
+    if grain is not None:
+        settings.rough_grain = lib.vector(grain, 3, "grain", c_double)
+    if detail is not None:
+        settings.rough_detail = _count(detail, "detail")
+    settings.rough_wavelength, settings.rough_seed = wavelength, _count(seed, "seed", _SEED)
     settings.cancel_flag = pointer(token.flag)
     failure: list[BaseException] = []
 

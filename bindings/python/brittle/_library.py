@@ -104,6 +104,15 @@ class CertificateStruct(ctypes.Structure):
                 ("hash", c_uint64)]
 
 
+class MaterialStruct(ctypes.Structure):
+    _fields_ = [("struct_size", c_uint32), ("rough_detail", c_uint32), ("name", c_char_p), ("density", c_double),
+                ("friction", c_double), ("restitution", c_double), ("tensile", c_double), ("compressive", c_double),
+                ("shear", c_double), ("fracture_toughness", c_double), ("fracture_energy", c_double),
+                ("pattern", c_char_p), ("pattern_jitter", c_double), ("pattern_spread", c_double),
+                ("pattern_slenderness", c_double), ("pattern_axis", c_double * 3), ("roughness", c_double),
+                ("rough_grain", c_double * 3), ("exterior", c_double * 3), ("interior", c_double * 3)]
+
+
 class ExportSettings(ctypes.Structure):
     _fields_ = [("struct_size", c_uint32), ("per_piece", c_uint32), ("name", c_char_p), ("hulls", c_uint32),
                 ("rigid_bodies", c_uint32), ("density", c_double)]
@@ -166,6 +175,7 @@ _CALLS: dict[str, list[Any]] = {
     "hulls_array": [_P, c_uint32, POINTER(Array)],
     "pieces_save": [_P, c_char_p, POINTER(ExportSettings)],
     "pieces_save_memory": [_P, c_char_p, POINTER(ExportSettings), POINTER(_P)],
+    "material_get": [c_char_p, POINTER(MaterialStruct)],
     "world_create": [POINTER(WorldSettings), POINTER(_P)],
     "world_add_breakable": [_P, _P, POINTER(ObjectSettings), POINTER(c_uint32)],
     "world_add_bonded": [_P, _P, POINTER(ObjectSettings), POINTER(c_uint32)],
@@ -199,13 +209,17 @@ def _declare() -> None:
         function.argtypes, function.restype = [POINTER(struct), c_size_t], None
     others: list[tuple[str, list[Any], Any]] = [
         ("text_get", [c_void_p], c_char_p), ("files_count", [c_void_p], c_uint64),
-        ("surface_parts", [c_void_p], c_uint64), ("version", [], c_char_p), ("status_name", [c_int32], c_char_p)]
+        ("surface_parts", [c_void_p], c_uint64), ("version", [], c_char_p), ("status_name", [c_int32], c_char_p),
+        ("material_name", [c_uint32], c_char_p)]
     for name, arguments, result in others:
         function = getattr(_library, "brittle_" + name)
         function.argtypes, function.restype = arguments, result
 
 
-_declare()
+try:
+    _declare()
+except AttributeError as missing:
+    raise ImportError(f"the library is of another version than this package: {missing}") from None
 
 
 def version() -> str:
@@ -215,6 +229,13 @@ def version() -> str:
 
 def status_name(status: int) -> str:
     return _library.brittle_status_name(status).decode()
+
+
+def material_names() -> tuple[str, ...]:
+    names: list[str] = []
+    while name := _library.brittle_material_name(len(names)):
+        names.append(name.decode())
+    return tuple(names)
 
 
 def call(name: str, *arguments: Any) -> None:
