@@ -331,7 +331,8 @@ enum {
     BRITTLE_SURFACE_UV = 3,        /* v x 2 FLOAT32, v down; on cuts in metres; no rows where there are none */
     BRITTLE_SURFACE_UV2 = 4,       /* v x 2 FLOAT32, or no rows */
     BRITTLE_SURFACE_COLOURS = 5,   /* v x 4 FLOAT32, linear, or no rows */
-    BRITTLE_SURFACE_INDICES = 6    /* t x 3 UINT32 */
+    BRITTLE_SURFACE_INDICES = 6,   /* t x 3 UINT32 */
+    BRITTLE_SURFACE_VERTICES = 7   /* v x 1 UINT32: the vertex of the piece, counted from its first */
 };
 BRITTLE_API brittle_status brittle_surface_array(const brittle_surface* surface, uint64_t part, uint32_t which,
                                                  brittle_array* out, brittle_error* error);

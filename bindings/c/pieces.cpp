@@ -250,8 +250,11 @@ brittle_status brittle_surface_array(const brittle_surface* surface, uint64_t pa
             out->rows /= 3;
             out->stride = 3 * sizeof(uint32_t);
             return;
+        case BRITTLE_SURFACE_VERTICES:
+            *out = c::view(one.drawn.vertices, one.drawn.vertices.data(), 1);
+            return;
         default:
-            c::refuse_which(which, BRITTLE_SURFACE_INDICES);
+            c::refuse_which(which, BRITTLE_SURFACE_VERTICES);
         }
     });
 }

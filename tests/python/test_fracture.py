@@ -95,7 +95,9 @@ def test_render_buffers_and_hulls():
         assert outside == piece.exterior_faces
         for part in piece.surface():
             assert np.linalg.norm(part.normals, axis=1) == pytest.approx(1, abs=1e-5)
-            assert part.faces.max() < len(part.positions)
+            assert part.faces.max() < len(part.positions) == len(part.vertices)
+            placed = piece.vertices[part.vertices] - piece.center_mass
+            assert np.array_equal(placed.astype(np.float32), part.positions)
         reach = np.linalg.norm(piece.vertices - piece.center_mass, axis=1).max()
         assert len(hulls) == 1 and np.linalg.norm(hulls[0], axis=1).max() <= reach * (1 + 1e-5)
 

@@ -126,6 +126,7 @@ class SurfacePart:
     uv2: np.ndarray
     colours: np.ndarray  #: (v, 4), linear; without rows where there are none
     faces: np.ndarray  #: (t, 3) uint32
+    vertices: np.ndarray  #: (v,) uint32: the vertex of the piece at each of these
 
 
 class Piece:
@@ -193,7 +194,7 @@ class Piece:
         for k in range(lib.surface_parts(handle)):
             material, interior = c_uint32(), c_uint32()
             lib.call("surface_part", handle.pointer, k, byref(material), byref(interior))
-            arrays = [lib.view(handle, "surface_array", k, which) for which in range(1, 7)]
+            arrays = [lib.view(handle, "surface_array", k, which) for which in range(1, 8)]
             parts.append(SurfacePart(None if material.value == 0xffffffff else material.value, bool(interior.value),
                                      *arrays))
         return parts
