@@ -2,6 +2,7 @@
 
     blender --background --python test_addon.py -- OUTPUT_FOLDER
 """
+import contextlib
 import io
 import pathlib
 import re
@@ -325,6 +326,13 @@ class AddonTest(unittest.TestCase):
         bpy.ops.ed.undo()
         self.assertNotIn("Cube pieces", bpy.data.collections)
         self.assertFalse(bpy.data.objects["Cube"].hide_render)
+
+    def test_example_of_the_documentation(self):
+        page = (ROOT / "docs/bindings.md").read_text(encoding="utf-8")
+        printed = io.StringIO()
+        with contextlib.redirect_stdout(printed):
+            exec(re.search(r"^```blender\n(.*?)^```$", page, re.MULTILINE | re.DOTALL)[1], {})
+        self.assertRegex(printed.getvalue(), r"(?m)^3\d pieces$")
 
     def test_picture(self):
         """Renders OUTPUT/pieces.png, to be looked at."""

@@ -12,7 +12,8 @@ from conftest import BUNNY, ROOT
 
 PROGRAM = pathlib.Path(os.environ.get("BRITTLE_COMMAND", ROOT / "build/release/bin/brittle"))
 PAGE = (ROOT / "docs/bindings.md").read_text(encoding="utf-8")
-EXAMPLES = re.findall(r"^```(\w+)\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL)
+EXAMPLES = [(language, text) for language, text in re.findall(r"^```(\w+)\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL)
+            if language != "blender"]  # which the tests of the add-on run
 
 
 @pytest.fixture(scope="module")

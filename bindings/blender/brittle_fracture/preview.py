@@ -10,7 +10,9 @@ from . import fracture
 from .engine import brittle
 
 _DELAY = 0.05  #: seconds after the last change
-_COLOUR = (1.0, 0.55, 0.1, 0.9)
+_COLOUR = (1.0, 0.55, 0.1)
+_HIDDEN = 0.12  #: opacity of what lies inside or behind
+_TOWARDS_EYE = 0.003  #: of the distance of the view
 
 
 class _State:
@@ -89,12 +91,19 @@ def _draw() -> None:
     import gpu
     from gpu_extras.batch import batch_for_shader
 
+    view = bpy.context.region_data
     name = "3D_POLYLINE_UNIFORM_COLOR" if bpy.app.version < (4, 0, 0) else "POLYLINE_UNIFORM_COLOR"
     shader = gpu.shader.from_builtin(name)
     batch = batch_for_shader(shader, "LINES", {"pos": _State.lines})
     shader.uniform_float("viewportSize", gpu.state.viewport_get()[2:])
     shader.uniform_float("lineWidth", 1.5 * bpy.context.preferences.system.pixel_size)
-    shader.uniform_float("color", _COLOUR)
     gpu.state.blend_set("ALPHA")
-    batch.draw(shader)
+    with gpu.matrix.push_pop():
+        # A little towards the eye, so that lines on the surface are before it.
+        gpu.matrix.translate(_TOWARDS_EYE * view.view_distance * view.view_matrix.to_3x3().inverted().col[2])
+        for depth_test, opacity in (("NONE", _HIDDEN), ("LESS_EQUAL", 1.0)):
+            gpu.state.depth_test_set(depth_test)
+            shader.uniform_float("color", (*_COLOUR, opacity))
+            batch.draw(shader)
+    gpu.state.depth_test_set("NONE")
     gpu.state.blend_set("NONE")

@@ -65,7 +65,7 @@ class ObjectSettings(bpy.types.PropertyGroup):
                       update=_update_preview)
     axis: FloatVectorProperty(name="Axis", description="Direction of slices, splinters and shards, in the world",
                               subtype="XYZ", default=(0.0, 0.0, 1.0), update=_update_preview)
-    cells_per_piece: IntProperty(name="Cells per Piece", description="Cells that make up a piece: 1 gives convex "
+    cells_per_piece: IntProperty(name="Cells/Piece", description="Cells that make up a piece: 1 gives convex "
                                  "pieces, 16 pieces of many facets", default=1, min=1, max=1000, update=_update_preview)
     use_roughness: BoolProperty(name="Own Roughness", description="Use the roughness below in place of the material's")
     roughness: FloatProperty(name="Roughness", description="Roughness of the cuts: 0 is flat", default=0.3, min=0.0,
