@@ -9,7 +9,7 @@
 
 Right-handed coordinates, Y up, metres, kilograms, seconds. Arrays that come out are read-only numpy views, which keep
 their owner alive. Every call releases the interpreter lock, so several threads break meshes at once. Errors are
-BrittleError, with the name of the status.
+BrittleError, with the name of the status. brittle.dataset makes data sets of many fractures.
 """
 from ._fracture import Certificate, Fracture, Piece, Sites, SurfacePart, fracture, load_sites, make_sites
 from ._library import (ArgumentError, BrittleError, Cancelled, CancelToken, MissingFileError, OutOfMemoryError,
