@@ -5,9 +5,12 @@
 #include <cmath>
 #include <cstdio>
 #include <exception>
+#include <type_traits>
+#include <utility>
 
 #include "fracture/io/read_file.h"
 #include "fracture/io/readers.h"
+#include "fracture/io/text_cursor.h"
 #include "fracture/io/weld.h"
 
 namespace brittle::fracture {
@@ -88,21 +91,27 @@ Result<void> check_finite(const TriangleMesh& mesh) {
     return {};
 }
 
+Error named(const std::string& name, const Error& error) {
+    return {error.status, name + ": " + error.message};
+}
+
+Error no_triangles(const std::string& name) {
+    return {Status::empty_mesh, name + ": no triangles in the file; export the mesh with its faces"};
+}
+
 Result<Model> read_and_weld(const std::string& name, const std::string& extension, std::span<const std::byte> bytes,
                             Companions& companions) {
     Result<Model> model = read_model(extension, bytes, companions);
-    if (!model) return Error{model.error().status, name + ": " + model.error().message};
-    if (const Result<void> finite = check_finite(model->mesh); !finite)
-        return Error{finite.error().status, name + ": " + finite.error().message};
+    if (!model) return named(name, model.error());
+    if (const Result<void> finite = check_finite(model->mesh); !finite) return named(name, finite.error());
     std::vector<uint32_t> kept;
     TriangleMesh welded = weld_surface(model->mesh, model->points, kept);
     model->points.clear();
     if (welded.triangles.empty()) {
-        const std::string what = model->mesh.triangles.empty()
-                                     ? "no triangles in the file; export the mesh with its faces"
-                                     : "all triangles in the file have two corners at the same place; export it in a "
-                                       "larger unit or with more digits";
-        return Error{Status::empty_mesh, name + ": " + what};
+        if (model->mesh.triangles.empty()) return no_triangles(name);
+        return Error{Status::empty_mesh, name
+                                             + ": all triangles in the file have two corners at the same place; "
+                                               "export it in a larger unit or with more digits"};
     }
     keep_triangles(*model, std::move(welded), kept);
     return model;
@@ -117,13 +126,58 @@ Result<Model> import_file(const std::filesystem::path& file, bool with_attribute
     return read_and_weld(file.string(), extension, *bytes, companions);
 }
 
+// Welds the meshes and leaves out the nodes of those without triangles.
+Result<MeshScene> weld_scene(RawScene raw) {
+    MeshScene scene;
+    constexpr uint32_t left_out = ~0u;
+    std::vector<uint32_t> number; // of each raw mesh in the scene
+    for (size_t m = 0; m < raw.meshes.size(); ++m) {
+        SceneMesh& mesh = raw.meshes[m];
+        if (const Result<void> finite = check_finite(mesh.mesh); !finite)
+            return named("mesh " + fracture::quoted(mesh.name), finite.error());
+        std::vector<uint32_t> kept;
+        mesh.mesh = weld_surface(mesh.mesh, raw.points[m], kept);
+        number.push_back(mesh.mesh.triangles.empty() ? left_out : static_cast<uint32_t>(scene.meshes.size()));
+        if (number[m] != left_out) scene.meshes.push_back(std::move(mesh));
+    }
+    for (SceneNode& node : raw.nodes) {
+        if (number[node.mesh] == left_out) {
+            add_note(scene.notes, "node " + fracture::quoted(node.name) + " is left out, as its mesh has no triangles");
+            continue;
+        }
+        node.mesh = number[node.mesh];
+        scene.nodes.push_back(std::move(node));
+    }
+    return scene;
+}
+
+Result<MeshScene> import_scene_file(const std::filesystem::path& file) {
+    const std::string name = file.string(), extension = lower_case(file.extension().string());
+    if (extension != ".glb" && extension != ".gltf")
+        return Error{Status::unsupported_format, name + ": only .glb and .gltf files have nodes; convert the scene"};
+    const Result<std::vector<std::byte>> bytes = read_file(file);
+    if (!bytes) return bytes.error();
+    Companions companions(file.parent_path(), true);
+    Result<RawScene> raw = read_gltf_scene(*bytes, companions);
+    if (!raw) return named(name, raw.error());
+    Result<MeshScene> scene = weld_scene(std::move(*raw));
+    if (!scene) return named(name, scene.error());
+    if (scene->nodes.empty()) return no_triangles(name);
+    return scene;
+}
+
 // The readers do not throw, but allocation and the JSON library do when memory runs out.
-Result<Model> import(const std::filesystem::path& file, bool with_attributes) {
+template<class Import>
+std::invoke_result_t<Import> guarded(const std::filesystem::path& file, const Import& import) {
     try {
-        return import_file(file, with_attributes);
+        return import();
     } catch (const std::exception& exception) {
         return Error{Status::malformed_file, file.string() + ": cannot be read: " + exception.what()};
     }
+}
+
+Result<Model> import(const std::filesystem::path& file, bool with_attributes) {
+    return guarded(file, [&] { return import_file(file, with_attributes); });
 }
 
 } // namespace
@@ -162,6 +216,10 @@ Result<Model> import_model(std::span<const std::byte> bytes, std::string_view ex
     } catch (const std::exception& exception) {
         return Error{Status::malformed_file, std::string(name) + ": cannot be read: " + exception.what()};
     }
+}
+
+Result<MeshScene> import_scene(const std::filesystem::path& file) {
+    return guarded(file, [&] { return import_scene_file(file); });
 }
 
 Result<Image> read_image(const std::filesystem::path& file) {

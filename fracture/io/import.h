@@ -2,8 +2,9 @@
 //
 //     Result<TriangleMesh> mesh = import_mesh("bunny.obj");
 //     Result<Model> model = import_model("vase.glb"); // with materials, images and texture coordinates
+//     Result<MeshScene> scene = import_scene("level.glb"); // node by node
 //
-// All meshes of a file are joined into one, with node transforms applied. Polygons are split into triangles. Vertices
+// import_mesh() and import_model() join all meshes of a file into one, with node transforms applied. Polygons are split into triangles. Vertices
 // at bit-equal positions are welded (weld.h), because files split them at seams of normals and texture coordinates.
 // Nothing else changes: units and axes are those of the file (STL and 3DS are often Z up), and open or non-manifold
 // meshes are returned unchanged; inspect() (inspect.h) reports their flaws and repair() (repair.h) mends them.
@@ -18,6 +19,7 @@
 #include <vector>
 
 #include "fracture/base/error.h"
+#include "fracture/io/mesh_scene.h"
 #include "fracture/io/model.h"
 #include "fracture/mesh/mesh.h"
 
@@ -40,6 +42,11 @@ namespace brittle::fracture {
 // above; messages begin with `name`.
 [[nodiscard]] Result<Model> import_model(std::span<const std::byte> bytes, std::string_view extension,
                                          std::string_view name = "mesh in memory");
+
+// Imports the nodes of a .glb or .gltf file that show meshes, and each of these meshes once, geometry only. Cameras,
+// lights and empty nodes give transforms to their children alone. Errors as above: unsupported_format for other formats,
+// empty_mesh where no node shows a triangle.
+[[nodiscard]] Result<MeshScene> import_scene(const std::filesystem::path& file);
 
 // Reads an image for a material: PNG, JPEG, WebP or KTX2, recognised by its first bytes. Errors as above.
 [[nodiscard]] Result<Image> read_image(const std::filesystem::path& file);

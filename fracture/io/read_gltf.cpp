@@ -1,5 +1,9 @@
+#include <algorithm>
 #include <cmath>
+#include <map>
+#include <set>
 #include <string>
+#include <utility>
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -25,6 +29,21 @@ struct Vertices {
     bool has_opacity = false;
 };
 
+// Numbers names that are taken: "Vase", "Vase 2", "Vase 3".
+class UniqueNames {
+  public:
+    std::string take(const std::string& name) {
+        std::string unique = name;
+        for (uint64_t& number = last_[name]; !taken_.insert(unique).second;)
+            unique = name + " " + std::to_string(number = std::max<uint64_t>(number + 1, 2));
+        return unique;
+    }
+
+  private:
+    std::set<std::string> taken_;
+    std::map<std::string, uint64_t> last_; // by name
+};
+
 class GltfReader {
   public:
     explicit GltfReader(Document& document)
@@ -32,16 +51,75 @@ class GltfReader {
 
     Result<Model> read() {
         if (Result<void> done = check_extensions(); !done) return done.error();
-        Result<std::vector<uint64_t>> roots = root_nodes();
-        if (!roots) return roots.error();
         if (wants_attributes_) read_materials(document_, model_);
-        if (Result<void> done = read_nodes(*roots); !done) return done.error();
+        const auto add = [&](const Json&, uint64_t, std::optional<uint64_t> mesh, const glm::dmat4& world) {
+            return read_mesh(mesh, world);
+        };
+        if (Result<void> done = visit_mesh_nodes(add); !done) return done.error();
         complete_corners(model_);
         if (!model_.points.empty()) model_.points.resize(model_.mesh.positions.size(), 0);
         return std::move(model_);
     }
 
+    // Precondition: no attributes are wanted.
+    Result<RawScene> read_scene() {
+        if (Result<void> done = check_extensions(); !done) return done.error();
+        RawScene scene;
+        std::map<uint64_t, uint32_t> meshes; // index in the scene by that in the file
+        UniqueNames names;
+        const auto add = [&](const Json& node, uint64_t index, std::optional<uint64_t> mesh,
+                             const glm::dmat4& world) -> Result<void> {
+            const Result<const Json*> json = document_.element("meshes", mesh);
+            if (!json) return json.error();
+            const auto [at, is_new] = meshes.try_emplace(*mesh, static_cast<uint32_t>(scene.meshes.size()));
+            if (is_new) {
+                if (Result<void> done = read_mesh(mesh, glm::dmat4(1.0)); !done) return done;
+                take_mesh(**json, scene);
+            }
+            for (int k = 0; k < 16; ++k)
+                if (!std::isfinite(world[k / 4][k % 4]))
+                    return malformed(name_of("nodes", index) + " has a transform that is not finite");
+            std::string name = text_member(node, "name");
+            if (name.empty()) name = scene.meshes[at->second].name;
+            if (name.empty()) name = "node " + std::to_string(index);
+            scene.nodes.push_back({names.take(name), at->second, world, extras_of(node)});
+            return {};
+        };
+        if (Result<void> done = visit_mesh_nodes(add); !done) return done.error();
+        return scene;
+    }
+
   private:
+    static std::string text_member(const Json& object, const char* key) {
+        const Json* value = member(object, key);
+        return value != nullptr && value->is_string() ? value->get<std::string>() : std::string();
+    }
+
+    static std::string extras_of(const Json& object) {
+        const Json* extras = member(object, "extras");
+        return extras != nullptr ? extras->dump() : std::string();
+    }
+
+    // Moves the mesh that was read to the scene. The limits go on counting it.
+    void take_mesh(const Json& json, RawScene& scene) {
+        SceneMesh& mesh = scene.meshes.emplace_back(SceneMesh{.name = text_member(json, "name")});
+        vertices_taken_ += model_.mesh.positions.size();
+        triangles_taken_ += model_.mesh.triangles.size();
+        if (!model_.points.empty()) model_.points.resize(model_.mesh.positions.size(), 0);
+        mesh.mesh = std::exchange(model_.mesh, {});
+        scene.points.push_back(std::exchange(model_.points, {}));
+        mesh.extras = extras_of(json);
+        const Json* primitives = member(json, "primitives");
+        if (primitives == nullptr) return;
+        for (const Json& primitive : *primitives) {
+            const Result<const Json*> material =
+                document_.element("materials", unsigned_member(primitive, "material", std::nullopt));
+            const std::string name = material ? text_member(**material, "name") : std::string();
+            if (!name.empty() && std::ranges::find(mesh.materials, name) == mesh.materials.end())
+                mesh.materials.push_back(name);
+        }
+    }
+
     // A required extension may change the meaning of geometry. Only extensions that cannot are accepted.
     Result<void> check_extensions() const {
         const Json* required = member(document_.json(), "extensionsRequired");
@@ -95,14 +173,18 @@ class GltfReader {
         return result;
     }
 
-    // Visits nodes depth first, in file order, without recursion: chains of nodes can be as long as the file.
-    Result<void> read_nodes(const std::vector<uint64_t>& roots) {
+    // Calls visit(node, index, mesh, world) for the nodes of the default scene with a mesh: depth first, in file order,
+    // without recursion, as chains of nodes can be as long as the file.
+    template<class Visitor>
+    Result<void> visit_mesh_nodes(const Visitor& visit_node) {
+        const Result<std::vector<uint64_t>> roots = root_nodes();
+        if (!roots) return roots.error();
         struct Visit {
             uint64_t node;
             glm::dmat4 parent;
         };
         std::vector<Visit> stack;
-        for (auto root = roots.rbegin(); root != roots.rend(); ++root) stack.push_back({*root, glm::dmat4(1.0)});
+        for (auto root = roots->rbegin(); root != roots->rend(); ++root) stack.push_back({*root, glm::dmat4(1.0)});
         std::vector<bool> seen(member(document_.json(), "nodes") != nullptr ? document_.json()["nodes"].size() : 0,
                                false);
         while (!stack.empty()) {
@@ -120,7 +202,7 @@ class GltfReader {
             const glm::dmat4 world = visit.parent * *local;
             if (member(**node, "mesh") != nullptr) {
                 const std::optional<uint64_t> mesh = unsigned_member(**node, "mesh", std::nullopt);
-                if (Result<void> done = read_mesh(mesh, world); !done) return done;
+                if (Result<void> done = visit_node(**node, visit.node, mesh, world); !done) return done;
             }
             const Result<std::vector<uint64_t>> children = indices_of(**node, "children");
             if (!children) return children.error();
@@ -194,8 +276,8 @@ class GltfReader {
             for (uint32_t k = 0; k < corners.size(); ++k) corners[k] = k;
         }
         const uint64_t most = std::min(max_elements, free_elements + elements_per_byte * document_.size());
-        if (model_.mesh.positions.size() + positions->count > most
-            || model_.mesh.triangles.size() + corners.size() > most) {
+        if (vertices_taken_ + model_.mesh.positions.size() + positions->count > most
+            || triangles_taken_ + model_.mesh.triangles.size() + corners.size() > most) {
             return malformed("with it the nodes of the file show over " + std::to_string(most)
                              + " vertices or triangles, the limit for a file of its size; simplify the mesh");
         }
@@ -316,6 +398,7 @@ class GltfReader {
     Document& document_;
     bool wants_attributes_;
     Model model_;
+    uint64_t vertices_taken_ = 0, triangles_taken_ = 0; // of meshes that take_mesh() moved out of model_
 };
 
 } // namespace
@@ -325,6 +408,12 @@ Result<Model> read_gltf(std::span<const std::byte> bytes, Companions& companions
     Result<gltf::Document> document = gltf::Document::open(bytes, companions);
     if (!document) return document.error();
     return gltf::GltfReader(*document).read();
+}
+
+Result<RawScene> read_gltf_scene(std::span<const std::byte> bytes, Companions& companions) {
+    Result<gltf::Document> document = gltf::Document::open(bytes, companions);
+    if (!document) return document.error();
+    return gltf::GltfReader(*document).read_scene();
 }
 
 } // namespace brittle::fracture

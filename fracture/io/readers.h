@@ -12,9 +12,11 @@
 #include <cstddef>
 #include <span>
 #include <string_view>
+#include <vector>
 
 #include "fracture/base/error.h"
 #include "fracture/io/companions.h"
+#include "fracture/io/mesh_scene.h"
 #include "fracture/io/model.h"
 
 namespace brittle::fracture {
@@ -50,5 +52,14 @@ void read_mtl(std::string_view text, Companions& companions, Model& model);
 // skipped; compressed accessors are refused. Buffers may be in the file, in data: URIs, or in files of the folder and
 // below.
 [[nodiscard]] Result<Model> read_gltf(std::span<const std::byte> bytes, Companions& companions);
+
+// The same file node by node, as MeshScene describes it, except that meshes are not yet welded, may be empty, and stand
+// with their points.
+struct RawScene {
+    std::vector<SceneNode> nodes{};
+    std::vector<SceneMesh> meshes{};
+    std::vector<std::vector<uint32_t>> points{}; // Model::points of each mesh
+};
+[[nodiscard]] Result<RawScene> read_gltf_scene(std::span<const std::byte> bytes, Companions& companions);
 
 } // namespace brittle::fracture

@@ -1,7 +1,9 @@
 // Fuzzes the reader of one mesh format, chosen by FUZZ_FORMAT.
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <span>
+#include <string>
 #include <string_view>
 
 #include "fracture/io/readers.h"
@@ -52,10 +54,24 @@ void check_looks(const Model& model) {
     for (const std::string& note : model.notes) fuzz::check_message(note);
 }
 
+// The same file, node by node.
+void check_scene(std::span<const std::byte> bytes) {
+    Companions companions(BRITTLE_CORPUS "/meshes", true);
+    const Result<RawScene> scene = read_gltf_scene(bytes, companions);
+    if (!scene) return fuzz::check_message(scene.error().message);
+    for (const SceneMesh& mesh : scene->meshes) check_indices(mesh.mesh);
+    std::set<std::string> names;
+    for (const SceneNode& node : scene->nodes) {
+        fuzz::require(node.mesh < scene->meshes.size(), "a node names no mesh");
+        fuzz::require(names.insert(node.name).second, "two nodes have one name");
+    }
+}
+
 } // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     const fuzz::TimeGuard guard;
+    if (format == "gltf") check_scene(std::as_bytes(std::span(data, size)));
     const Result<Model> model = read(std::as_bytes(std::span(data, size)));
     if (!model) {
         fuzz::check_message(model.error().message);

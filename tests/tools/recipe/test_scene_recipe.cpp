@@ -1,4 +1,5 @@
 // Recipes of version 2: scenes of several objects.
+#include <set>
 #include <string>
 
 #include <doctest/doctest.h>
@@ -91,6 +92,7 @@ TEST_CASE("scene recipe: writing and reading preserve every value") {
         {"name": "vase", "mesh": "/meshes/shop.glb", "material": "ceramic", "repair": true, "unite": true,
          "pattern": {"type": "uniform", "count": 33, "seed": 7}, "min_volume": 0.25, "roughness": 0.3,
          "translation": [1, 2, 0.3333333333333333], "rotation": [10, 20, 30], "scale": [1, 2, -3],
+         "node": "Vase.001", "shear": [0.5, 0, -0.25],
          "bonded": true, "anchored": true, "strength": 0.5, "min_size": 0.125, "blow_pieces": 30,
          "brick": {"size": [0.3, 0.05, 0.1], "along": "z"}, "anchors": [{"at": [0, 1, 0], "radius": 0.2}]},
         {"name": "floor", "mesh": "shape:cube", "fixed": true},
@@ -124,11 +126,44 @@ TEST_CASE("scene recipe: the schema lists exactly the keys of objects") {
         CHECK(message.find("unknown") == std::string::npos); // a bad value, but a known key
         CHECK(message.find(key) != std::string::npos);
     }
-    for (const char* key : {"name",      "mesh",       "translation", "rotation", "scale",   "fixed",     "shattered",
-                            "material",  "repair",     "unite",       "pattern",  "strikes", "algorithm", "min_volume",
-                            "roughness", "rough_size", "grain",       "detail",   "bonded",  "anchored",  "strength",
-                            "breakable", "min_size",   "blow_pieces", "brick",    "anchors"})
+    for (const char* key : {"name",      "mesh",       "node",      "shear",      "translation", "rotation", "scale",
+                            "fixed",     "shattered",  "material",  "repair",     "unite",       "pattern",  "strikes",
+                            "algorithm", "min_volume", "roughness", "rough_size", "grain",       "detail",   "bonded",
+                            "anchored",  "strength",   "breakable", "min_size",   "blow_pieces", "brick",    "anchors"})
         CHECK(keys.contains(key));
+}
+
+TEST_CASE("scene recipe: the schema lists exactly the keys of a level, of its rules and of what they make of nodes") {
+    const auto schema = nlohmann::json::parse(read_text(BRITTLE_ASSETS "/scene.schema.json"))["properties"];
+    const auto& level = schema["level"]["properties"];
+    const auto& rule = level["rules"]["items"]["properties"];
+    const auto& then = rule["then"]["properties"];
+    const auto check_known = [&](const nlohmann::json& keys, const std::string& before, const std::string& behind) {
+        for (const auto& entry : keys.items()) {
+            const std::string key = entry.key();
+            CAPTURE(key);
+            const std::string message =
+                message_of(R"({"brittle": 2, "level": )" + before + "\"" + key + R"(": [[]])" + behind + "}");
+            CHECK(message.find("unknown") == std::string::npos); // a bad value, but a known key
+            CHECK(message.find("/" + key) != std::string::npos);
+        }
+    };
+    auto others = level;
+    others.erase("mesh");
+    CHECK(message_of(R"({"brittle": 2, "level": {"mesh": 7}})").find("/level/mesh") != std::string::npos);
+    check_known(others, R"({"mesh": "a.glb", )", "}");
+    check_known(rule, R"({"mesh": "a.glb", "rules": [{)", "}]}");
+    check_known(then, R"({"mesh": "a.glb", "rules": [{"then": {)", "}}]}");
+    std::set<std::string> missing; // what an object has, and a rule cannot say
+    for (const auto& entry : schema["objects"]["items"]["properties"].items())
+        if (!then.contains(entry.key())) missing.insert(entry.key());
+    CHECK(missing == std::set<std::string>{"name", "mesh", "node", "translation", "rotation", "shear", "scale"});
+    CHECK(message_of(R"({"brittle": 2, "level": {"mesh": "a.glb", "size": 1}})")
+              .find("keys are: mesh, translation, "
+                    "rotation, shear, scale, rules")
+          != std::string::npos);
+    CHECK(level.size() == 6);
+    CHECK(rule.size() == 4);
 }
 
 TEST_CASE("scene recipe: units of a single mesh are written where they do not fit it to the stage") {

@@ -127,6 +127,7 @@ void check_scene_options(const RenderCommand& command) {
     for (const auto& [given, name] : of_one_mesh)
         if (given) throw Failure(exit_usage, std::string("a scene of several objects has no picture of ") + name);
     FractureOptions rest = command.fracture, plain;
+    rest.level = {};
     rest.objects.clear();
     for (FractureOptions* options : {&rest, &plain}) {
         options->units = {};

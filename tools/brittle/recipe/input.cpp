@@ -262,8 +262,10 @@ std::string overlap_of(const fracture::TriangleMesh& mesh) {
 
 void refuse_scene(const FractureOptions& options) {
     if (!is_scene(options)) return;
-    throw Failure(exit_usage, "the recipe is a scene of " + std::to_string(options.objects.size())
-                                  + " objects; this command takes one mesh. `brittle render` draws scenes");
+    const std::string what =
+        options.level.mesh.empty() ? std::to_string(options.objects.size()) + " objects" : options.level.mesh;
+    throw Failure(exit_usage,
+                  "the recipe is a scene of " + what + "; this command takes one mesh. `brittle render` draws scenes");
 }
 
 Input load_input(const FractureOptions& options, bool with_looks) {

@@ -6,6 +6,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "fracture/fracture.h"
@@ -13,6 +14,7 @@
 #include "fracture/sites/pattern.h"
 #include "fracture/unite/unite.h"
 #include "tools/brittle/recipe/picture_options.h"
+#include "tools/brittle/recipe/placement.h"
 #include "tools/brittle/recipe/strike.h"
 #include "tools/brittle/recipe/world_options.h"
 
@@ -35,8 +37,16 @@ enum class LengthUnit { fit, metre, centimetre, millimetre, inch };
 [[nodiscard]] double metres_of(LengthUnit unit); // 1 for fit
 
 struct SceneObject;
+struct LevelRule;
 
-// A mesh and how to break it; or, with `objects`, a scene of several.
+// The nodes of a glTF file as objects of a scene (level.h).
+struct Level {
+    std::string mesh;          // path of the file; empty: the scene has no level
+    ObjectPlacement placement; // from the file's coordinates, in metres, to the world
+    std::vector<LevelRule> rules;
+};
+
+// A mesh and how to break it; or, with `objects` or a level, a scene of several.
 struct FractureOptions {
     std::string mesh;     // path of a file, or shape:NAME
     std::string material; // --material: name of a preset, or empty; use_material() has copied its pattern to `pattern`
@@ -57,25 +67,18 @@ struct FractureOptions {
     PictureOptions picture;             // contents of the pictures of `brittle render`
     WorldOptions world;                 // physics; world_of() sets its seed and blows
     LengthUnit units = LengthUnit::fit; // of the mesh files
-    // The objects of a scene. Of the members above, only units, threads, picture, save_recipe and the members of
-    // `world` that concern no single object then count.
+    // The objects of a scene, those of its level first. Of the members above, only units, threads, picture, save_recipe
+    // and the members of `world` that concern no single object then count.
+    Level level;
     std::vector<SceneObject> objects;
-};
-
-// Where an object stands: a mesh point p is at translation + R * (scale * p), m, with p in metres, and R the rotation
-// about X, then Y, then Z.
-struct ObjectPlacement {
-    glm::dvec3 translation{0.0}; // m
-    glm::dvec3 rotation{0.0};    // degrees
-    glm::dvec3 scale{1.0};
-
-    friend bool operator==(const ObjectPlacement&, const ObjectPlacement&) = default;
 };
 
 // An object of a scene: a recipe of its own, and its place. It starts whole and breakable, unless its recipe's world or
 // a member here says otherwise.
 struct SceneObject {
     std::string name; // unique in the scene
+    // Of the mesh file, which is glTF: the mesh is this node's alone, in the node's coordinates. Empty: the whole file.
+    std::string node;
     ObjectPlacement placement;
     bool fixed = false;     // never moves or breaks, and collides with its surface; the mesh may be open
     bool shattered = false; // cut by its pattern at the start, into loose pieces
@@ -89,8 +92,17 @@ struct SceneObject {
     }();
 };
 
+// The first rule of a level whose conditions all hold for a node makes the node an object.
+struct LevelRule {
+    std::string node;     // pattern of its name with * and ?; empty: any
+    std::string material; // pattern of the name of a material of its mesh; empty: any mesh
+    // Custom properties: keys of `extras` of the node or else of its mesh, with their values as JSON.
+    std::vector<std::pair<std::string, std::string>> extras;
+    SceneObject then; // without name, mesh, node and placement
+};
+
 [[nodiscard]] inline bool is_scene(const FractureOptions& options) {
-    return !options.objects.empty();
+    return !options.objects.empty() || !options.level.mesh.empty();
 }
 
 // Returns the name of a mesh for people: the name of a shape, or the stem of a file.

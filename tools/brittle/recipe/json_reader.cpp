@@ -76,7 +76,7 @@ void JsonReader::fail(const std::string& key, const std::string& expected, const
 }
 
 const Json* JsonReader::find(const std::string& key) {
-    known_.push_back(key);
+    if (std::find(known_.begin(), known_.end(), key) == known_.end()) known_.push_back(key);
     const auto at = json_.find(key);
     return at == json_.end() ? nullptr : &*at;
 }

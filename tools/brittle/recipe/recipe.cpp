@@ -30,7 +30,7 @@ constexpr int version = 1, scene_version = 2;
 constexpr std::string_view shape_prefix = "shape:";
 constexpr size_t max_recipe_bytes = size_t{1} << 20;
 constexpr size_t max_strikes = 1000;
-constexpr size_t max_objects = 10'000;
+constexpr size_t max_rules = 1000;
 
 // Returns the values that differ from the plain pattern, which is the one that reading starts with.
 Json pattern_json(const Pattern& pattern, const Pattern& plain) {
@@ -97,7 +97,6 @@ void add_roughness(const fracture::Roughness& rough, const fracture::Roughness& 
 
 // How a mesh is broken: all but its physics.
 void add_fracture(const FractureOptions& options, Json& recipe) {
-    recipe["mesh"] = options.mesh;
     if (!options.material.empty()) recipe["material"] = options.material;
     if (options.repair) recipe["repair"] = true;
     if (options.unite) recipe["unite"] = true;
@@ -113,24 +112,53 @@ void add_fracture(const FractureOptions& options, Json& recipe) {
     add_roughness(options.rough, plain.rough, recipe);
 }
 
-Json object_json(const SceneObject& object) {
-    const ObjectPlacement plain, &placement = object.placement;
-    Json json{{"name", object.name}};
-    add_fracture(object.recipe, json);
+void add_placement(const ObjectPlacement& placement, Json& json) {
+    const ObjectPlacement plain;
     if (placement.translation != plain.translation) json["translation"] = vector_json(placement.translation);
     if (placement.rotation != plain.rotation) json["rotation"] = vector_json(placement.rotation);
+    if (placement.shear != plain.shear) json["shear"] = vector_json(placement.shear);
     if (placement.scale != plain.scale) json["scale"] = vector_json(placement.scale);
+}
+
+// What an object is, whatever its mesh and place.
+void add_kind(const SceneObject& object, Json& json) {
+    add_fracture(object.recipe, json);
     if (object.fixed) json["fixed"] = true;
     if (object.shattered) json["shattered"] = true;
     add_body(object.recipe.world, json);
     json.erase("breakable"); // the default of an object, unlike that of a world
     if (!object.recipe.world.breakable && !object.fixed) json["breakable"] = false;
+}
+
+Json object_json(const SceneObject& object) {
+    Json json{{"name", object.name}, {"mesh", object.recipe.mesh}};
+    if (!object.node.empty()) json["node"] = object.node;
+    add_placement(object.placement, json);
+    add_kind(object, json);
+    return json;
+}
+
+Json rule_json(const LevelRule& rule) {
+    Json json = Json::object();
+    if (!rule.node.empty()) json["node"] = rule.node;
+    if (!rule.material.empty()) json["material"] = rule.material;
+    for (const auto& [key, value] : rule.extras) json["extras"][key] = Json::parse(value);
+    json["then"] = Json::object();
+    add_kind(rule.then, json["then"]);
+    return json;
+}
+
+Json level_json(const Level& level) {
+    Json json{{"mesh", level.mesh}};
+    add_placement(level.placement, json);
+    for (const LevelRule& rule : level.rules) json["rules"].push_back(rule_json(rule));
     return json;
 }
 
 Json scene_json(const FractureOptions& scene) {
     Json json{{"brittle", scene_version}};
     if (scene.units != LengthUnit::metre) json["units"] = to_string(scene.units);
+    if (!scene.level.mesh.empty()) json["level"] = level_json(scene.level);
     for (const SceneObject& object : scene.objects) json["objects"].push_back(object_json(object));
     Json world = Json::object();
     add_world(scene.world, world);
@@ -141,7 +169,7 @@ Json scene_json(const FractureOptions& scene) {
 
 Json recipe_object(const FractureOptions& options) {
     if (is_scene(options)) return scene_json(options);
-    Json recipe{{"brittle", version}};
+    Json recipe{{"brittle", version}, {"mesh", options.mesh}};
     add_fracture(options, recipe);
     if (options.units != LengthUnit::fit) recipe["units"] = to_string(options.units);
     Json world = Json::object();
@@ -279,17 +307,21 @@ void read_units(JsonReader& reader, LengthUnit& units) {
     units = *known;
 }
 
+// Returns the name of a file in the recipe as a path from the working folder; shapes stay.
+std::string path_from(const std::filesystem::path& file, const std::string& name) {
+    if (name.empty() || name.starts_with(shape_prefix)) return name;
+    return (file.parent_path() / name).lexically_normal().string();
+}
+
+void read_mesh(const std::filesystem::path& file, JsonReader& reader, std::string& mesh) {
+    if (!reader.find("mesh")) return;
+    reader.text("mesh", mesh);
+    mesh = path_from(file, mesh);
+}
+
 // Reads what add_fracture() writes.
 void read_fracture(const std::filesystem::path& file, const std::string& path, JsonReader& reader,
                    FractureOptions& options) {
-    const auto from_here = [&](std::string& name) {
-        if (!name.empty() && !name.starts_with(shape_prefix))
-            name = (file.parent_path() / name).lexically_normal().string();
-    };
-    if (reader.find("mesh")) {
-        reader.text("mesh", options.mesh);
-        from_here(options.mesh);
-    }
     reader.flag("repair", options.repair);
     reader.flag("unite", options.unite);
     std::string material;
@@ -306,7 +338,7 @@ void read_fracture(const std::filesystem::path& file, const std::string& path, J
         JsonReader inner(file, *pattern, path + "/pattern");
         read_pattern(inner, options);
         inner.refuse_unknown_keys();
-        from_here(options.sites_file);
+        options.sites_file = path_from(file, options.sites_file);
         if (!material.empty()) options.rough.grain = grain_of_material(options, options.pattern.axis);
     }
     read_strikes(file, path, reader, options.strikes);
@@ -319,13 +351,17 @@ void read_fracture(const std::filesystem::path& file, const std::string& path, J
     read_roughness(reader, options);
 }
 
-void read_scale(JsonReader& reader, glm::dvec3& scale) {
+void read_placement(JsonReader& reader, ObjectPlacement& placement) {
+    reader.vector("translation", placement.translation);
+    reader.vector("rotation", placement.rotation);
+    reader.vector("shear", placement.shear);
+    glm::dvec3& scale = placement.scale;
     const Json* value = reader.find("scale");
     if (!value) return;
     scale = value->is_array() ? reader.vector_of("scale", *value)
-                              : glm::dvec3(reader.number_of("scale", *value, 1e-9, 1e9));
+                              : glm::dvec3(reader.number_of("scale", *value, min_scale, max_scale));
     for (int axis = 0; axis < 3; ++axis)
-        if (!(std::abs(scale[axis]) >= 1e-9 && std::abs(scale[axis]) <= 1e9))
+        if (!(std::abs(scale[axis]) >= min_scale && std::abs(scale[axis]) <= max_scale))
             reader.fail("scale", "a factor, or three of them, none of which is 0", *value);
 }
 
@@ -340,17 +376,54 @@ void check_body(const JsonReader& reader, const SceneObject& object, bool says_b
                                           "anchors out");
 }
 
-void read_object(const std::filesystem::path& file, const std::string& path, JsonReader& reader, SceneObject& object) {
+// Reads what add_kind() writes.
+void read_kind(const std::filesystem::path& file, const std::string& path, JsonReader& reader, SceneObject& object) {
     read_fracture(file, path, reader, object.recipe);
-    reader.vector("translation", object.placement.translation);
-    reader.vector("rotation", object.placement.rotation);
-    read_scale(reader, object.placement.scale);
     reader.flag("fixed", object.fixed);
     reader.flag("shattered", object.shattered);
     read_body(file, path, reader, object.recipe.world);
     const Json* breakable = reader.find("breakable");
     check_body(reader, object, breakable && breakable->is_boolean() && breakable->get<bool>());
+    reader.refuse_unknown_keys();
+}
+
+void read_object(const std::filesystem::path& file, const std::string& path, JsonReader& reader, SceneObject& object) {
+    read_mesh(file, reader, object.recipe.mesh);
     if (object.recipe.mesh.empty()) throw reader.failure("mesh", "expected a mesh file or shape:NAME");
+    reader.text("node", object.node);
+    if (!object.node.empty() && object.recipe.mesh.starts_with(shape_prefix))
+        throw reader.failure("node", "a shape has no nodes; leave it out, or name a .glb or .gltf file as the mesh");
+    read_placement(reader, object.placement);
+    read_kind(file, path, reader, object);
+}
+
+void read_rule(const std::filesystem::path& file, const Json& json, const std::string& path, LevelRule& rule) {
+    JsonReader reader(file, json, path);
+    reader.text("node", rule.node);
+    reader.text("material", rule.material);
+    if (const Json* extras = reader.find("extras")) {
+        if (!extras->is_object()) reader.fail("extras", "an object {\"key\": value, ...}", *extras);
+        for (const auto& [key, value] : extras->items()) rule.extras.emplace_back(key, value.dump());
+    }
+    const Json* then = reader.find("then");
+    if (!then) throw reader.failure("then", "expected the keys of the object, such as {\"material\": \"glass\"}");
+    reader.refuse_unknown_keys();
+    read_object_kind(file, *then, path + "/then", rule.then);
+}
+
+void read_level(const std::filesystem::path& file, const Json& json, const std::string& path, Level& level) {
+    JsonReader reader(file, json, path);
+    level = {};
+    read_mesh(file, reader, level.mesh);
+    if (level.mesh.empty() || level.mesh.starts_with(shape_prefix))
+        throw reader.failure("mesh", "expected a .glb or .gltf file");
+    read_placement(reader, level.placement);
+    if (const Json* rules = reader.find("rules")) {
+        if (!rules->is_array() || rules->size() > max_rules)
+            reader.fail("rules", "a list [{ }, ...] of at most " + std::to_string(max_rules), *rules);
+        for (size_t k = 0; k < rules->size(); ++k)
+            read_rule(file, (*rules)[k], path + "/rules/" + std::to_string(k), level.rules.emplace_back());
+    }
     reader.refuse_unknown_keys();
 }
 
@@ -359,7 +432,7 @@ void name_by_mesh(std::vector<SceneObject>& objects, std::set<std::string> taken
     std::map<std::string, int> last; // by name of the mesh
     for (SceneObject& object : objects) {
         if (!object.name.empty()) continue;
-        const std::string mesh = mesh_name(object.recipe.mesh);
+        const std::string mesh = object.node.empty() ? mesh_name(object.recipe.mesh) : object.node;
         int& number = last[mesh];
         do {
             object.name = ++number == 1 ? mesh : mesh + " " + std::to_string(number);
@@ -369,10 +442,12 @@ void name_by_mesh(std::vector<SceneObject>& objects, std::set<std::string> taken
 
 void read_objects(const std::filesystem::path& file, const std::string& path, JsonReader& reader,
                   FractureOptions& scene) {
+    const Json* level = reader.find("level");
+    if (level) read_level(file, *level, path + "/level", scene.level);
     const Json* list = reader.find("objects");
+    if (level && !list) return;
     if (!list || !list->is_array() || list->empty() || list->size() > max_objects)
         reader.fail("objects", "1 to " + std::to_string(max_objects) + " objects [{ }, ...]", list ? *list : Json());
-    scene.objects.clear();
     std::set<std::string> names;
     for (size_t k = 0; k < list->size(); ++k) {
         const std::string own = path + "/objects/" + std::to_string(k);
@@ -394,6 +469,12 @@ void read_objects(const std::filesystem::path& file, const std::string& path, Js
 
 } // namespace
 
+void read_object_kind(const std::filesystem::path& file, const Json& json, const std::string& path,
+                      SceneObject& object) {
+    JsonReader reader(file, json, path);
+    read_kind(file, path, reader, object);
+}
+
 void read_recipe(const std::filesystem::path& file, const Json& json, const std::string& path,
                  FractureOptions& options) {
     JsonReader reader(file, json, path);
@@ -403,13 +484,16 @@ void read_recipe(const std::filesystem::path& file, const Json& json, const std:
         throw reader.failure("brittle", "expected the recipe's version, which is " + std::to_string(version)
                                             + " for one mesh and " + std::to_string(scene_version) + " for a scene");
     const bool scene = written_for == scene_version;
+    options.level = {};
     options.objects.clear();
     if (scene) options.units = LengthUnit::metre;
     read_units(reader, options.units);
-    if (scene)
+    if (scene) {
         read_objects(file, path, reader, options);
-    else
+    } else {
+        read_mesh(file, reader, options.mesh);
         read_fracture(file, path, reader, options);
+    }
     if (const Json* world = reader.find("world")) {
         JsonReader inner(file, *world, path + "/world");
         if (!scene) {
@@ -434,6 +518,8 @@ template<class Options, class Visit>
 void visit_files(Options& options, Visit visit) {
     visit(options.mesh);
     visit(options.sites_file);
+    visit(options.level.mesh);
+    for (auto& rule : options.level.rules) visit_files(rule.then.recipe, visit);
     for (auto& object : options.objects) visit_files(object.recipe, visit);
 }
 

@@ -18,9 +18,10 @@ inline constexpr uint32_t max_group = 1'000'000; // maximum number of a group of
 inline constexpr double max_weight = 1e12;       // m^2, maximum weight of a site; its negative is the minimum
 inline constexpr size_t max_points = 10'000;
 
-inline constexpr size_t max_joints = 1000;  // of a recipe
-inline constexpr uint32_t max_links = 1000; // of a joint
-inline constexpr size_t max_anchors = 1000; // maximum number of anchors; every piece is compared with each of them
+inline constexpr size_t max_objects = 10'000; // of a scene
+inline constexpr size_t max_joints = 1000;    // of a recipe
+inline constexpr uint32_t max_links = 1000;   // of a joint
+inline constexpr size_t max_anchors = 1000;   // maximum number of anchors; every piece is compared with each of them
 
 // Returns the options as the text of a recipe, with paths as they are in the options.
 [[nodiscard]] std::string recipe_json(const FractureOptions& options);
@@ -34,6 +35,11 @@ void read_recipe(const std::filesystem::path& file, FractureOptions& options);
 // Reads a recipe that is part of a file, at a JSON path in it such as "/recipe".
 void read_recipe(const std::filesystem::path& file, const nlohmann::ordered_json& json, const std::string& path,
                  FractureOptions& options);
+
+// Reads the keys of a scene's object that are no matter of its mesh and place, from a JSON path in a file. Throws as
+// above.
+void read_object_kind(const std::filesystem::path& file, const nlohmann::ordered_json& json, const std::string& path,
+                      SceneObject& object);
 
 // Writes the recipe atomically, with paths relative to its folder. Throws a Failure.
 void write_recipe(const std::filesystem::path& file, const FractureOptions& options);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <set>
 #include <span>
 #include <utility>
 
@@ -12,11 +13,14 @@
 #include <glm/trigonometric.hpp>
 #include <nlohmann/json.hpp>
 
+#include "fracture/io/import.h"
+#include "fracture/io/text_cursor.h"
 #include "fracture/mesh/mass_properties.h"
 #include "fracture/mesh/topology.h"
 #include "tools/brittle/base/failure.h"
 #include "tools/brittle/base/interrupt.h"
 #include "tools/brittle/recipe/json_reader.h"
+#include "tools/brittle/recipe/level.h"
 #include "tools/brittle/recipe/recipe.h"
 #include "tools/brittle/recipe/world_json.h"
 
@@ -30,14 +34,53 @@ bool is_cut_at_start(const SceneObject& object) {
     return !object.fixed && (object.recipe.world.bonded || object.shattered);
 }
 
+// The glTF files whose nodes are objects of a scene, each read once.
+class NodeFiles {
+  public:
+    const fracture::MeshScene& scene_of(const std::string& file) { return content_of(file).scene; }
+
+    // Index of an object's mesh in its file; nothing where the object is no node. Throws a Failure.
+    std::optional<uint32_t> mesh_of(const SceneObject& object) {
+        if (object.node.empty()) return std::nullopt;
+        const Content& content = content_of(object.recipe.mesh);
+        const auto mesh = content.mesh_of.find(object.node);
+        if (mesh != content.mesh_of.end()) return mesh->second;
+        constexpr size_t max_listed = 10;
+        std::string names;
+        for (size_t k = 0; k < std::min(max_listed, content.scene.nodes.size()); ++k)
+            names += (k > 0 ? ", " : "") + fracture::printable(content.scene.nodes[k].name);
+        throw Failure(exit_input, object.recipe.mesh + " has no node " + shown(object.node)
+                                      + " that shows a mesh; its nodes are: " + names
+                                      + (content.scene.nodes.size() > max_listed ? ", ..." : ""));
+    }
+
+  private:
+    struct Content {
+        fracture::MeshScene scene;
+        std::map<std::string, uint32_t> mesh_of; // by name of the node
+    };
+
+    const Content& content_of(const std::string& file) {
+        const auto [at, is_new] = files_.try_emplace(file);
+        if (!is_new) return at->second;
+        at->second.scene = must(fracture::import_scene(file));
+        for (const fracture::SceneNode& node : at->second.scene.nodes) at->second.mesh_of[node.name] = node.mesh;
+        return at->second;
+    }
+
+    std::map<std::string, Content> files_;
+};
+
 // Equal for objects whose meshes, and sites where they are cut at the start, are equal.
-std::string mesh_key(const SceneObject& object) {
+std::string mesh_key(const SceneObject& object, NodeFiles& files) {
     FractureOptions mesh;
     if (is_cut_at_start(object)) mesh = object.recipe;
     mesh.mesh = object.recipe.mesh;
     mesh.repair = object.recipe.repair;
     mesh.unite = object.recipe.unite;
-    return recipe_json(mesh) + text_of(vector_json(object.placement.scale)) + (object.fixed ? " fixed" : "");
+    const std::optional<uint32_t> in_file = files.mesh_of(object);
+    return recipe_json(mesh) + (in_file ? std::to_string(*in_file) : "") + text_of(vector_json(object.placement.shear))
+           + text_of(vector_json(object.placement.scale)) + (object.fixed ? " fixed" : "");
 }
 
 // Equal for objects of one mesh whose solids are equal. The place counts where the lowest part is anchored.
@@ -48,15 +91,13 @@ std::string solid_key(const SceneObject& object) {
     return recipe_json(own) + turn + (object.shattered ? " shattered" : "") + (object.fixed ? " fixed" : "");
 }
 
-void scale_mesh(TriangleMesh& mesh, const glm::dvec3& scale) {
-    for (glm::dvec3& p : mesh.positions) p *= scale;
-    if (scale.x * scale.y * scale.z > 0.0) return;
-    for (fracture::Triangle& t : mesh.triangles) std::swap(t.y, t.z); // a mirrored mesh is inside out
-}
-
 // Loads an object's mesh, in metres of the object, ready for a fracture unless it is fixed.
-Input load_object(const SceneObject& object, LengthUnit units) {
-    Input input = load_mesh_only(object.recipe.mesh);
+Input load_object(const SceneObject& object, LengthUnit units, NodeFiles& files) {
+    Input input;
+    if (const std::optional<uint32_t> mesh = files.mesh_of(object))
+        input.model.mesh = files.scene_of(object.recipe.mesh).meshes[*mesh].mesh;
+    else
+        input = load_mesh_only(object.recipe.mesh);
     input.name = object.name;
     const double metres = object.recipe.mesh.starts_with("shape:") ? 1.0 : metres_of(units);
     input.scale = metres * std::abs(object.placement.scale.x);
@@ -67,7 +108,7 @@ Input load_object(const SceneObject& object, LengthUnit units) {
         if (!(fracture::signed_volume(input.model.mesh.positions, input.model.mesh.triangles) > 0.0))
             throw Failure(exit_mesh, "it encloses no volume, or its triangles face inwards");
     }
-    scale_mesh(input.model.mesh, metres * object.placement.scale);
+    deform(input.model.mesh, metres, object.placement);
     if (is_cut_at_start(object)) {
         SiteSet set = sites_for(object.recipe, input.model.mesh);
         input.sites = std::move(set.sites);
@@ -92,21 +133,34 @@ void fix(SceneObject& object) {
 }
 
 std::string note_of(const SceneObject& object, const std::string& fault) {
-    return object.name + " stays whole and fixed: " + fault;
+    return fracture::printable(object.name) + " stays whole and fixed: " + fault;
 }
 
 // A mesh that cannot be broken is loaded as that of a fixed object.
-LoadedMesh load(SceneObject object, LengthUnit units) {
+LoadedMesh load(SceneObject object, LengthUnit units, NodeFiles& files) {
     LoadedMesh mesh;
     try {
-        mesh.input = std::make_shared<const Input>(load_object(object, units));
+        mesh.input = std::make_shared<const Input>(load_object(object, units, files));
     } catch (const Failure& failure) {
         if (failure.code() != exit_mesh) throw;
         mesh.fault = failure.what();
         fix(object);
-        mesh.input = std::make_shared<const Input>(load_object(object, units));
+        mesh.input = std::make_shared<const Input>(load_object(object, units, files));
     }
     return mesh;
+}
+
+// The objects of the level, then those of the recipe.
+std::vector<SceneObject> objects_of(const FractureOptions& scene, NodeFiles& files, std::vector<std::string>& notes) {
+    if (scene.level.mesh.empty()) return scene.objects;
+    std::set<std::string> names;
+    for (const SceneObject& object : scene.objects) names.insert(object.name);
+    const fracture::MeshScene& file = files.scene_of(scene.level.mesh);
+    LevelObjects level = level_objects(scene.level, file, metres_of(scene.units), std::move(names));
+    notes = file.notes;
+    notes.insert(notes.end(), level.notes.begin(), level.notes.end());
+    level.objects.insert(level.objects.end(), scene.objects.begin(), scene.objects.end());
+    return std::move(level.objects);
 }
 
 fracture::Box home_of(std::span<const LoadedObject> objects) {
@@ -129,33 +183,28 @@ fracture::Box box_in_world(const TriangleMesh& mesh, const physics::Pose& placem
 
 } // namespace
 
-glm::dquat rotation_of(const ObjectPlacement& placement) {
-    const glm::dvec3 angle = glm::radians(placement.rotation);
-    return glm::angleAxis(angle.z, glm::dvec3(0.0, 0.0, 1.0)) * glm::angleAxis(angle.y, glm::dvec3(0.0, 1.0, 0.0))
-           * glm::angleAxis(angle.x, glm::dvec3(1.0, 0.0, 0.0));
-}
-
 LoadedScene load_scene(const FractureOptions& scene) {
     const InterruptDeadline deadline;
     LoadedScene loaded{.world = scene.world, .threads = scene.threads};
     loaded.world.height = 0.0;
+    NodeFiles files;
     std::map<std::string, LoadedMesh> meshes;
-    for (const SceneObject& object : scene.objects) {
+    for (const SceneObject& object : objects_of(scene, files, loaded.notes)) {
         throw_if_interrupted();
         LoadedObject& made = loaded.objects.emplace_back(LoadedObject{object, nullptr, {}, {}});
         made.placement = {glm::vec3(object.placement.translation), glm::quat(rotation_of(object.placement))};
-        LoadedMesh& mesh = meshes[mesh_key(object)];
         try {
-            if (!mesh.input) mesh = load(object, scene.units);
+            LoadedMesh& mesh = meshes[mesh_key(object, files)];
+            if (!mesh.input) mesh = load(object, scene.units, files);
+            if (!mesh.fault.empty()) {
+                loaded.notes.push_back(note_of(object, mesh.fault));
+                fix(made.object);
+            }
+            made.input = mesh.input;
+            made.box = box_in_world(mesh.input->model.mesh, made.placement);
         } catch (const Failure& failure) {
             throw Failure(failure.code(), "object " + object.name + ": " + failure.what());
         }
-        if (!mesh.fault.empty()) {
-            loaded.notes.push_back(note_of(object, mesh.fault));
-            fix(made.object);
-        }
-        made.input = mesh.input;
-        made.box = box_in_world(mesh.input->model.mesh, made.placement);
     }
     loaded.home = home_of(loaded.objects);
     return loaded;

@@ -6,7 +6,8 @@
 //     Stage stage(renderer, scene.home);
 //     stage.stand(std::move(objects), scene.world);
 //
-// Objects that differ in place and name alone share mesh, solids and hulls. A mesh that cannot be broken becomes a fixed
+// The nodes of a level come before the objects of the recipe. Objects that differ in place and name alone share mesh,
+// solids and hulls, as do instances of one mesh of a glTF file. A mesh that cannot be broken becomes a fixed
 // object, with a note; a file that cannot be read is a Failure that names the object.
 #pragma once
 
@@ -36,7 +37,7 @@ struct LoadedScene {
     WorldOptions world{};             // the members that concern no single object
     uint32_t threads = 0;             // 0: one per core
     fracture::Box home{};             // around all objects that are not fixed; around all where none moves
-    std::vector<std::string> notes{}; // for people: meshes that cannot be broken, and why
+    std::vector<std::string> notes{}; // for people: meshes that cannot be broken, and why; faults of a level
 };
 
 // Throws a Failure.
@@ -46,8 +47,5 @@ struct LoadedScene {
 // `progress` is called with shares from 0 to 1. Throws a Failure.
 [[nodiscard]] std::vector<PreparedObject> prepare_scene(LoadedScene& scene, const physics::PayloadMaker& payload = {},
                                                         const std::function<void(double)>& progress = {});
-
-// Rotation of a placement: about X, then Y, then Z.
-[[nodiscard]] glm::dquat rotation_of(const ObjectPlacement& placement);
 
 } // namespace brittle::tools
