@@ -5,12 +5,18 @@
 #include <filesystem>
 #include <initializer_list>
 #include <string>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
+#include "fracture/shapes/shapes.h"
+#include "tests/glb_file.h"
 #include "tests/tools/support.h"
+#include "tools/brittle/base/failure.h"
 
 namespace fs = std::filesystem;
+using namespace brittle;
+using namespace brittle::tools;
 using namespace brittle::tools::test;
 
 namespace {
@@ -206,4 +212,48 @@ TEST_CASE("inspect reports whether a mesh can be fractured, as text and as JSON"
     CHECK(json["open_edges"] == 3);
     CHECK(json["rims"][0]["edges"] == 3);
     CHECK(run_brittle(folder, "inspect nowhere.obj").exit_code == 3);
+}
+
+TEST_CASE("inspect lists the nodes of a glTF file, and the objects of a scene") {
+    const Folder folder;
+    test_files::GlbFile glb;
+    fracture::TriangleMesh open = fracture::cuboid(glm::dvec3(1.0));
+    open.triangles.pop_back();
+    glb.add_mesh(open);
+    glb.add_mesh(fracture::cuboid({1.0, 2.0, 3.0}));
+    folder.write("level.glb", glb.bytes(R"("nodes": [{"name": "Rug", "mesh": 0}, {"name": "Box", "mesh": 1},
+        {"name": "Box", "mesh": 1, "scale": [2, -1, 1]}, {"name": "Box", "mesh": 1, "translation": [9, 0, 0]}])"));
+    const std::string level = folder / "level.glb";
+    const Outcome text = run_brittle(folder, "inspect " + level);
+    CHECK(text.exit_code == exit_mesh); // of the whole file, which other commands take as one mesh
+    CHECK(text.has("Box 2         12       1  2 x 2 x 3"));
+    CHECK(text.has("cannot be broken: not closed, 3 open edges"));
+    const auto nodes = nlohmann::json::parse(run_brittle(folder, "inspect --json " + level).output)["objects"];
+    REQUIRE(nodes.size() == 4);
+    CHECK(nodes[0]["name"] == "Rug");
+    CHECK(nodes[0]["triangles"] == 11);
+    CHECK(nodes[0]["breakable"] == false);
+    CHECK(nodes[1]["copies"] == 2); // the scaled one is another mesh
+    CHECK(nodes[1]["size"] == std::vector<double>{1.0, 2.0, 3.0});
+    CHECK(nodes[2]["breakable"] == true);
+    CHECK(nodes[3]["name"] == "Box 3");
+    CHECK_FALSE(run_brittle(folder, "inspect shape:cube").has("nodes"));
+
+    const std::string scene = folder / "scene.json";
+    const auto inspect_with = [&](const std::string& rule) {
+        folder.write("scene.json", R"({"brittle": 2, "level": {"mesh": "level.glb", "rules": [)" + rule
+                                       + R"({"node": "Box*", "then": {"bonded": true}}]}})");
+        return run_brittle(folder, "inspect " + scene);
+    };
+    const Outcome whole = inspect_with("");
+    CHECK(whole.exit_code == exit_success);
+    CHECK(whole.has("4 objects"));
+    CHECK(whole.has("fixed; cannot be broken: not closed, 3 open edges"));
+    CHECK(whole.has("bonded\n"));
+    const Outcome faulty = inspect_with(R"({"node": "Rug", "then": {}}, )");
+    CHECK(faulty.exit_code == exit_mesh);
+    CHECK(faulty.has("Rug stays whole and fixed"));
+    folder.write("one.json", R"({"brittle": 1, "mesh": "shape:cube"})");
+    CHECK(run_brittle(folder, "inspect " + (folder / "one.json")).has("inspect shape:cube instead"));
+    CHECK(run_brittle(folder, "inspect --marks x.glb " + scene).exit_code == exit_usage);
 }

@@ -178,6 +178,8 @@ TEST_CASE("level: the property brittle says what a node is, as an object or a te
         CHECK(made.objects[k].fixed);
         CHECK(made.objects[k].recipe.material.empty());
     }
+    file.nodes[1].extras = R"({"brittle":{"site":3,"volume":0.5}})"; // a piece that the program exported
+    CHECK(objects(level, file)[1].recipe.material == "stone");
     REQUIRE(made.notes.size() == 2);
     CHECK(made.notes[0].find("typo stays whole and fixed: /a.glb: node 'typo': /extras/brittle/min-size: unknown key")
           == 0);

@@ -71,7 +71,7 @@ struct ProfileCommand {
 };
 
 struct InspectCommand {
-    std::string mesh;
+    std::string mesh; // or the recipe of a scene
     bool json = false;
     std::string marks;   // GLB file; empty: none
     std::string picture; // PNG file; empty: none
@@ -85,7 +85,7 @@ struct RepairCommand {
     bool unite = false; // the parts of the repaired mesh
 };
 
-// Returns exit_mesh if the mesh cannot be fractured.
+// Returns exit_mesh if the mesh, or an object of the scene that should break, cannot be fractured.
 int run_inspect(const InspectCommand& command);
 int run_repair(const RepairCommand& command);
 int run_fracture(const FractureCommand& command);

@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <cstdio>
+#include <optional>
 
 #include <nlohmann/json.hpp>
 
@@ -7,9 +9,12 @@
 #include "fracture/io/export.h"
 #include "tools/brittle/base/failure.h"
 #include "tools/brittle/commands/commands.h"
+#include "tools/brittle/commands/inspect_objects.h"
 #include "tools/brittle/pictures/marks.h"
 #include "tools/brittle/pictures/view.h"
 #include "tools/brittle/recipe/json_reader.h"
+#include "tools/brittle/recipe/recipe.h"
+#include "tools/brittle/run/scene.h"
 #include "tools/brittle/run/stage.h"
 
 namespace brittle::tools {
@@ -127,7 +132,32 @@ void draw(const InspectCommand& command, Input input, const std::vector<Marks>& 
 
 } // namespace
 
+namespace {
+
+// Lists the objects of a scene. Returns exit_mesh where one that should break cannot.
+int inspect_scene(const InspectCommand& command) {
+    if (!command.marks.empty() || !command.picture.empty())
+        throw Failure(exit_usage, "--marks and --picture show one mesh, and " + command.mesh + " is a recipe");
+    FractureOptions options;
+    read_recipe(command.mesh, options);
+    if (!is_scene(options))
+        throw Failure(exit_usage, command.mesh + " is a recipe of one mesh; inspect " + options.mesh + " instead");
+    const LoadedScene scene = load_scene(options);
+    const std::vector<InspectedObject> objects = inspect_objects(scene);
+    if (command.json)
+        std::printf("%s\n", text_of({{"scene", command.mesh}, {"objects", to_json(objects, true)}}, 2).c_str());
+    else
+        std::printf("%s: %zu objects\n%s", command.mesh.c_str(), objects.size(), describe(objects, true).c_str());
+    for (const std::string& note : scene.notes) std::fprintf(stderr, "brittle: %s\n", note.c_str());
+    const bool all_break = std::ranges::all_of(
+        objects, [](const InspectedObject& object) { return object.kind == "fixed" || object.refusal.empty(); });
+    return all_break && scene.notes.empty() ? exit_success : exit_mesh;
+}
+
+} // namespace
+
 int run_inspect(const InspectCommand& command) {
+    if (command.mesh.ends_with(".json")) return inspect_scene(command);
     const Input input = load_mesh_only(command.mesh);
     const fracture::Inspection inspection = fracture::inspect(input.model.mesh);
     const bool is_readable = inspection.topology.vertices > 0;
@@ -144,8 +174,16 @@ int run_inspect(const InspectCommand& command) {
     if (united)
         if (const std::string overlap = overlap_text(*united); !overlap.empty())
             seen += "  union      " + overlap + "; --unite makes one solid of it\n";
+    Json json = to_json(input.name, inspection, united);
+    if (const std::optional<LoadedScene> nodes = nodes_of(command.mesh)) {
+        const std::vector<InspectedObject> objects = inspect_objects(*nodes);
+        json["objects"] = to_json(objects, false);
+        seen += "  nodes      " + std::to_string(objects.size()) + "; a level makes an object of each\n";
+        seen += describe(objects, false);
+        for (const std::string& note : nodes->notes) std::fprintf(stderr, "brittle: %s\n", note.c_str());
+    }
     if (command.json)
-        std::printf("%s\n", text_of(to_json(input.name, inspection, united), 2).c_str());
+        std::printf("%s\n", text_of(json, 2).c_str());
     else
         std::printf("%s\n%s%s", input.name.c_str(), describe(inspection).c_str(), seen.c_str());
     return inspection.refusal ? exit_mesh : exit_success;

@@ -73,6 +73,13 @@ bool holds(const LevelRule& rule, const Candidate& candidate) {
            && std::ranges::all_of(rule.extras, has);
 }
 
+// The keys of an object in the extras of a node; null where there are none. The pieces that an export of this program
+// describes there (docs/files.md) are left to the rules.
+const Json* object_keys(const Candidate& candidate) {
+    const Json* keys = candidate.property("brittle");
+    return keys && keys->is_object() && keys->contains("site") ? nullptr : keys;
+}
+
 // What the extras of a node say that it is.
 SceneObject object_of_extras(const std::string& file, const Candidate& candidate, const Json& keys) {
     const std::string path = "node " + fracture::quoted(std::string_view(candidate.node.name)) + ": /extras/brittle";
@@ -136,7 +143,7 @@ LevelObjects level_objects(const Level& level, const fracture::MeshScene& file, 
         const auto rule = std::ranges::find_if(level.rules, [&](const LevelRule& r) { return holds(r, candidate); });
         SceneObject object;
         object.fixed = true;
-        if (const Json* keys = candidate.property("brittle")) {
+        if (const Json* keys = object_keys(candidate)) {
             try {
                 object = object_of_extras(level.mesh, candidate, *keys);
             } catch (const Failure& failure) {
