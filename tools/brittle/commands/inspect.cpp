@@ -130,10 +130,6 @@ void draw(const InspectCommand& command, Input input, const std::vector<Marks>& 
     check_validation(*device);
 }
 
-} // namespace
-
-namespace {
-
 // Lists the objects of a scene. Returns exit_mesh where one that should break cannot.
 int inspect_scene(const InspectCommand& command) {
     if (!command.marks.empty() || !command.picture.empty())
