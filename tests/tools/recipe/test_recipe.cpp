@@ -536,6 +536,9 @@ TEST_CASE("recipe: the schema lists exactly the keys that are written and read")
     for (size_t k = 0; k < materials.size(); ++k)
         CHECK(materials[k] == std::string(physics::material_presets()[k].name));
     const auto& types = schema["properties"]["pattern"]["properties"]["type"]["enum"];
-    REQUIRE(types.size() == fracture::pattern_names().size() + 1);
-    for (size_t k = 0; k + 1 < types.size(); ++k) CHECK(types[k] == std::string(fracture::pattern_names()[k]));
+    const size_t kinds = fracture::pattern_names().size();
+    REQUIRE(types.size() == kinds + 2);
+    for (size_t k = 0; k < kinds; ++k) CHECK(types[k] == std::string(fracture::pattern_names()[k]));
+    CHECK(types[kinds] == "automatic");
+    CHECK(types[kinds + 1] == "points");
 }

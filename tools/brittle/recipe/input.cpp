@@ -184,8 +184,13 @@ std::vector<PlacedSite> placed_sites(const SiteSet& set) {
 SiteSet sites_for(const FractureOptions& options, const fracture::TriangleMesh& mesh) {
     if (options.strikes.empty() && !options.points.empty()) return site_set(options.points);
     if (options.strikes.empty() && !options.sites_file.empty()) return sites_of_file(options, mesh);
-    fracture::PatternSites made = must(options.strikes.empty() ? fracture::make_sites(options.pattern, mesh)
-                                                               : strike_sites(options.strikes, options.pattern));
+    const physics::MaterialPreset* preset = physics::material_preset(options.material);
+    const fracture::Pattern pattern = options.automatic
+                                          ? automatic_pattern(*options.automatic, options.pattern, mesh,
+                                                              preset ? preset->material : physics::Material{})
+                                          : options.pattern;
+    fracture::PatternSites made =
+        must(options.strikes.empty() ? fracture::make_sites(pattern, mesh) : strike_sites(options.strikes, pattern));
     return {std::move(made.sites), std::move(made.groups), std::move(made.weights)};
 }
 

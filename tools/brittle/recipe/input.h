@@ -13,6 +13,7 @@
 #include "fracture/io/model.h"
 #include "fracture/sites/pattern.h"
 #include "fracture/unite/unite.h"
+#include "tools/brittle/recipe/automatic_pattern.h"
 #include "tools/brittle/recipe/picture_options.h"
 #include "tools/brittle/recipe/placement.h"
 #include "tools/brittle/recipe/strike.h"
@@ -50,11 +51,12 @@ struct Level {
 struct FractureOptions {
     std::string mesh;     // path of a file, or shape:NAME
     std::string material; // --material: name of a preset, or empty; use_material() has copied its pattern to `pattern`
-    fracture::Pattern pattern;      // --pattern, -n, --seed ...: generates the sites
-    std::string sites_file;         // --sites: replaces the pattern
-    std::vector<PlacedSite> points; // sites listed one by one; override the file and the pattern
-    std::vector<Strike> strikes;    // --strike: only the balls that they hit break, by the pattern; override all sites
-    bool fit_sites = false;         // --fit-sites: moves and scales the sites onto the mesh's box, before the placement
+    fracture::Pattern pattern;                 // --pattern, -n, --seed ...: generates the sites
+    std::optional<AutomaticPattern> automatic; // kind and seed are the pattern's, and the mesh decides the rest
+    std::string sites_file;                    // --sites: replaces the pattern
+    std::vector<PlacedSite> points;            // sites listed one by one; override the file and the pattern
+    std::vector<Strike> strikes; // --strike: only the balls that they hit break, by the pattern; override all sites
+    bool fit_sites = false;      // --fit-sites: moves and scales the sites onto the mesh's box, before the placement
     fracture::Placement sites_placement; // --turn-sites, --scale-sites, --move-sites
     std::string save_recipe;             // --save-recipe: file to which load_input() writes these options; or empty
     bool repair = false;                 // --repair: fracture::repair() before the fracture, with a report
@@ -67,6 +69,7 @@ struct FractureOptions {
     PictureOptions picture;             // contents of the pictures of `brittle render`
     WorldOptions world;                 // physics; world_of() sets its seed and blows
     LengthUnit units = LengthUnit::fit; // of the mesh files
+    double piece_scale = 1.0;           // factor of the size of pieces of all automatic patterns of a scene
     // The objects of a scene, those of its level first. Of the members above, only units, threads, picture, save_recipe
     // and the members of `world` that concern no single object then count.
     Level level;

@@ -53,6 +53,13 @@ Json pattern_json(const Pattern& pattern, const Pattern& plain) {
     return json;
 }
 
+Json automatic_json(const FractureOptions& options) {
+    Json json{{"type", "automatic"}};
+    if (options.automatic->scale != AutomaticPattern{}.scale) json["scale"] = options.automatic->scale;
+    if (!options.automatic->named_seed) json["seed"] = options.pattern.seed;
+    return json;
+}
+
 Json points_json(const FractureOptions& options) {
     const fracture::Placement plain, &placement = options.sites_placement;
     Json json{{"type", "points"}};
@@ -104,7 +111,9 @@ void add_fracture(const FractureOptions& options, Json& recipe) {
     if (!options.material.empty()) use_material(options.material, plain);
     // Strikes break by the pattern, even if there are sites.
     const bool by_pattern = !options.strikes.empty() || (options.sites_file.empty() && options.points.empty());
-    recipe["pattern"] = by_pattern ? pattern_json(options.pattern, plain.pattern) : points_json(options);
+    recipe["pattern"] = !by_pattern         ? points_json(options)
+                        : options.automatic ? automatic_json(options)
+                                            : pattern_json(options.pattern, plain.pattern);
     if (!options.strikes.empty()) recipe["strikes"] = strikes_json(options.strikes);
     recipe["algorithm"] = fracture::to_string(options.algorithm);
     if (options.min_volume > 0.0) recipe["min_volume"] = options.min_volume;
@@ -158,6 +167,7 @@ Json level_json(const Level& level) {
 Json scene_json(const FractureOptions& scene) {
     Json json{{"brittle", scene_version}};
     if (scene.units != LengthUnit::metre) json["units"] = to_string(scene.units);
+    if (scene.piece_scale != 1.0) json["piece_scale"] = scene.piece_scale;
     if (!scene.level.mesh.empty()) json["level"] = level_json(scene.level);
     for (const SceneObject& object : scene.objects) json["objects"].push_back(object_json(object));
     Json world = Json::object();
@@ -227,6 +237,7 @@ void read_strikes(const std::filesystem::path& file, const std::string& path, Js
 }
 
 void read_pattern(JsonReader& reader, FractureOptions& options) {
+    options.automatic.reset();
     const auto names = fracture::pattern_names();
     std::string type(names[static_cast<size_t>(options.pattern.kind)]);
     reader.text("type", type);
@@ -243,11 +254,18 @@ void read_pattern(JsonReader& reader, FractureOptions& options) {
         reader.vector("move", options.sites_placement.move);
         return;
     }
+    if (type == "automatic") {
+        options.automatic = AutomaticPattern{.named_seed = !reader.find("seed")};
+        reader.number("scale", options.automatic->scale, 1e-3, 1e3);
+        reader.whole("seed", options.pattern.seed, 0, UINT64_MAX);
+        return;
+    }
     const auto at = std::find(names.begin(), names.end(), type);
     if (at == names.end()) {
         std::string list;
         for (const std::string_view name : names) list.append(name).append(", ");
-        throw reader.failure("type", "there is no pattern " + shown(type) + "; the patterns are: " + list + "points");
+        throw reader.failure("type", "there is no pattern " + shown(type) + "; the patterns are: " + list
+                                         + "automatic, points");
     }
     options.sites_file.clear();
     options.points.clear();
@@ -382,6 +400,8 @@ void read_kind(const std::filesystem::path& file, const std::string& path, JsonR
     reader.flag("fixed", object.fixed);
     reader.flag("shattered", object.shattered);
     read_body(file, path, reader, object.recipe.world);
+    const bool cut = object.shattered || object.recipe.world.bonded;
+    if (cut && !reader.find("pattern")) object.recipe.automatic = AutomaticPattern{};
     const Json* breakable = reader.find("breakable");
     check_body(reader, object, breakable && breakable->is_boolean() && breakable->get<bool>());
     reader.refuse_unknown_keys();
@@ -488,7 +508,9 @@ void read_recipe(const std::filesystem::path& file, const Json& json, const std:
     options.objects.clear();
     if (scene) options.units = LengthUnit::metre;
     read_units(reader, options.units);
+    options.piece_scale = 1.0;
     if (scene) {
+        reader.number("piece_scale", options.piece_scale, 1e-3, 1e3);
         read_objects(file, path, reader, options);
     } else {
         read_mesh(file, reader, options.mesh);

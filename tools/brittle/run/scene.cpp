@@ -150,9 +150,20 @@ LoadedMesh load(SceneObject object, LengthUnit units, NodeFiles& files) {
     return mesh;
 }
 
+// Gives automatic patterns the scale of the scene, and the seeds of the objects' names.
+std::vector<SceneObject> with_patterns(std::vector<SceneObject> objects, double scale) {
+    for (SceneObject& object : objects) {
+        if (!object.recipe.automatic || !is_cut_at_start(object)) continue;
+        object.recipe.automatic->scale *= scale;
+        if (object.recipe.automatic->named_seed) object.recipe.pattern.seed = seed_of_name(object.name);
+        object.recipe.automatic->named_seed = false;
+    }
+    return objects;
+}
+
 // The objects of the level, then those of the recipe.
 std::vector<SceneObject> objects_of(const FractureOptions& scene, NodeFiles& files, std::vector<std::string>& notes) {
-    if (scene.level.mesh.empty()) return scene.objects;
+    if (scene.level.mesh.empty()) return with_patterns(scene.objects, scene.piece_scale);
     std::set<std::string> names;
     for (const SceneObject& object : scene.objects) names.insert(object.name);
     const fracture::MeshScene& file = files.scene_of(scene.level.mesh);
@@ -160,7 +171,7 @@ std::vector<SceneObject> objects_of(const FractureOptions& scene, NodeFiles& fil
     notes = file.notes;
     notes.insert(notes.end(), level.notes.begin(), level.notes.end());
     level.objects.insert(level.objects.end(), scene.objects.begin(), scene.objects.end());
-    return std::move(level.objects);
+    return with_patterns(std::move(level.objects), scene.piece_scale);
 }
 
 fracture::Box home_of(std::span<const LoadedObject> objects) {
