@@ -28,6 +28,7 @@
 #include "fracture/io/export.h"
 #include "fracture/io/model.h"
 #include "fracture/pieces/fragments.h"
+#include "physics/material.h"
 
 struct brittle_mesh {
     std::shared_ptr<const brittle::fracture::Model> model; // pieces share it
@@ -72,6 +73,9 @@ struct Refusal {
     brittle_status status;
     std::string message;
 };
+
+// The material of a name, stone for NULL; or a Refusal that lists all names.
+[[nodiscard]] const physics::MaterialPreset& preset_of(const char* name);
 
 [[nodiscard]] brittle_status status_of(fracture::Status status);
 

@@ -364,7 +364,9 @@ void SliverCollapser::rebuild(const Assembler::Input& input, std::span<CellRun> 
         const uint32_t gathered_begin = gathered;
         while (gathered < gathered_ && faces_[gathered].cell == c) ++gathered;
         if (changed_[c]) {
-            collect(cells[c], gathered_begin, std::span(added_begin, added), out);
+            const auto first = static_cast<size_t>(added_begin - added_.begin());
+            const std::span<const uint32_t> of_cell(added_);
+            collect(cells[c], gathered_begin, of_cell.subspan(first, static_cast<size_t>(added - added_begin)), out);
             place(input, cells[c], out);
         } else {
             copy(cells[c], out);

@@ -85,7 +85,7 @@ Result<std::vector<OutputFile>> write_ply(const ExportJob& job) {
             for (uint32_t t = 0; t < triangles.size(); ++t)
                 add_face(triangles[t] + base, p, t >= piece.exterior_triangles);
         }
-        if (vertex_count > UINT32_MAX || vertices.size() + faces.size() > (uint64_t{1} << 32))
+        if (vertex_count > UINT32_MAX || uint64_t{vertices.size()} + faces.size() > (uint64_t{1} << 32))
             return Error{Status::write_failed, "the pieces take over 4 GiB; use fewer sites or one file per piece"};
     }
     std::string header = "ply\nformat binary_little_endian 1.0\ncomment Brittle " BRITTLE_VERSION "\nelement vertex "

@@ -1,0 +1,145 @@
+/**
+ * Exact Voronoi fracture of triangle meshes, in browsers, workers and node.
+ *
+ *     const mesh = await load(await (await fetch("bunny.obj")).arrayBuffer(), ".obj");
+ *     const broken = await fracture(mesh, { sites: 100, seed: 1, material: "stone" });
+ *     for (const piece of broken) console.log(piece.volume, piece.positions, piece.triangles);
+ *
+ * Metres; right-handed coordinates. Arrays have their numbers row after row: x, y, z, x, y, z, ... Equal input gives
+ * equal pieces, bit for bit, as of the command line. Failures throw a BrittleError. Handles free their memory by
+ * dispose(), or when the garbage collector finds them.
+ */
+export interface Inspection {
+    /** The status that fracture() would throw; null where it accepts the mesh. */
+    refusal: string | null;
+    report: string;
+    min: [number, number, number];
+    max: [number, number, number];
+    area: number;
+    volume: number;
+    vertices: number;
+    triangles: number;
+    components: number;
+    openEdges: number;
+    nonManifoldEdges: number;
+    misorientedEdges: number;
+    intersections: number;
+    holes: number;
+}
+
+export class BrittleError extends Error {
+    /** For example "not_closed" or "invalid_setting". */
+    readonly status: string;
+}
+
+export class Mesh {
+    /** weld joins vertices at equal positions; uv and materials stay with the corners. Needs init(). */
+    constructor(positions: ArrayLike<number>, triangles: ArrayLike<number>,
+                options?: { uv?: ArrayLike<number>; materials?: ArrayLike<number>; weld?: boolean });
+    readonly positions: Float64Array;
+    readonly triangles: Uint32Array;
+    inspect(): Inspection;
+    /** A closed, oriented manifold, as far as that is possible. */
+    repair(): Mesh;
+    /** One solid of parts that pass through each other. */
+    unite(): Mesh;
+    dispose(): void;
+}
+
+export type Pattern = "uniform" | "clustered" | "radial" | "grid" | "bricks" | "slices" | "splinters" | "curve"
+    | "curvature" | "thickness";
+export type Material = "glass" | "stone" | "concrete" | "wood" | "ceramic" | "brick";
+
+export interface FractureSettings {
+    /** A number of sites of the pattern (100), or the sites themselves, three numbers each. */
+    sites?: number | ArrayLike<number>;
+    /** m^2, one a site: larger cells for heavier sites. */
+    weights?: ArrayLike<number>;
+    seed?: number;
+    /** Gives pattern, roughness, grain and detail where they are left out. */
+    material?: Material;
+    pattern?: Pattern;
+    /** m; replaces the number of sites. */
+    pieceSize?: number;
+    jitter?: number;
+    /** 0 to 1 along each side of the box. */
+    focus?: [number, number, number];
+    axis?: [number, number, number];
+    spread?: number;
+    slenderness?: number;
+    grading?: number;
+    cellsPerPiece?: number;
+    /** Only sites inside the solid; by default those of uniform and clustered patterns. */
+    inside?: boolean;
+    /** Of the cuts, 0 (flat) to 1. */
+    roughness?: number;
+    wavelength?: number;
+    grain?: [number, number, number];
+    detail?: number;
+    /** m^3; smaller pieces join a neighbour. */
+    minVolume?: number;
+}
+
+export interface Piece {
+    index: number;
+    positions: Float64Array;
+    /** Those of the outside first. */
+    triangles: Uint32Array;
+    exteriorTriangles: number;
+    /** m^3 */
+    volume: number;
+    /** Centre of mass. */
+    centre: Float64Array;
+}
+
+export interface SurfacePart {
+    /** Of the mesh; null for cuts, and for a mesh without materials. */
+    material: number | null;
+    interior: boolean;
+    /** Relative to the centre of mass. */
+    positions: Float32Array;
+    normals: Float32Array;
+    /** v points down; empty where there are none. */
+    uv: Float32Array;
+    triangles: Uint32Array;
+    /** The vertex of the piece at each of these. */
+    vertices: Uint32Array;
+}
+
+export interface Certificate {
+    pieces: number;
+    closed: boolean;
+    openPieces: number;
+    cells: number;
+    volumeInput: number;
+    volumeSum: number;
+    volumeError: number;
+    smallestPiece: number;
+    trianglesIn: number;
+    trianglesOut: number;
+    hash: string;
+}
+
+export class Fracture implements Iterable<Piece> {
+    readonly length: number;
+    readonly volumes: Float64Array;
+    readonly centres: Float64Array;
+    /** Two pieces each, the lower number first. */
+    readonly bonds: Uint32Array;
+    readonly bondAreas: Float64Array;
+    readonly certificate: Certificate;
+    readonly hash: string;
+    piece(index: number): Piece;
+    [Symbol.iterator](): Iterator<Piece>;
+    /** Buffers for drawing: a part for each material, then the cuts. */
+    surface(index: number): SurfacePart[];
+    /** A .glb, .obj, .ply or .stl file. */
+    toBytes(name?: string): Uint8Array;
+    dispose(): void;
+}
+
+export function init(): Promise<void>;
+export function version(): Promise<string>;
+export function load(bytes: ArrayBuffer | Uint8Array, extension: string): Promise<Mesh>;
+export function shape(name: string): Promise<Mesh>;
+export function fracture(mesh: Mesh, settings?: FractureSettings): Promise<Fracture>;

@@ -1,0 +1,283 @@
+// Brittle for JavaScript: see brittle.d.ts. The arrays that come out are copies; handles free their memory by dispose(),
+// or when the garbage collector finds them.
+import start from "./brittle_wasm.mjs";
+
+let module = null;
+let starting = null;
+
+/** Loads the library. Everything else waits for it or needs it. */
+export function init() {
+    starting ??= (async () => {
+        const options = {};
+        if (typeof process === "object" && process.versions?.node) {
+            const fs = await import("node:fs/promises");
+            options.wasmBinary = await fs.readFile(new URL("./brittle_wasm.wasm", import.meta.url));
+        }
+        module = await start(options);
+    })();
+    return starting;
+}
+
+/** A refusal of the library: `status` is its name, the message says what to do. */
+export class BrittleError extends Error {
+    constructor(status, message) {
+        super(message);
+        this.name = "BrittleError";
+        this.status = status;
+    }
+}
+
+function need() {
+    if (!module) throw new BrittleError("invalid_argument", "the library is not loaded; await init() first");
+    return module;
+}
+
+function refusal() {
+    return new BrittleError(module.UTF8ToString(module._web_status()), module.UTF8ToString(module._web_message()));
+}
+
+/** Runs work(allocate) and frees what it allocates. */
+function scoped(work) {
+    const m = need(), addresses = [];
+    const allocate = (size) => {
+        const at = m._malloc(Math.max(size, 1));
+        if (at === 0) throw new BrittleError("out_of_memory", `there is no memory for ${size} bytes`);
+        addresses.push(at);
+        return at;
+    };
+    try {
+        return work({
+            room: allocate,
+            bytes(array) {
+                const view = new Uint8Array(array.buffer, array.byteOffset, array.byteLength), at = allocate(view.length);
+                m.HEAPU8.set(view, at);
+                return at;
+            },
+            text(string) {
+                const size = m.lengthBytesUTF8(string) + 1, at = allocate(size);
+                m.stringToUTF8(string, at, size);
+                return at;
+            },
+        });
+    } finally {
+        for (const at of addresses) m._free(at);
+    }
+}
+
+const registry = new FinalizationRegistry(({ address, free }) => module[free](address));
+
+class Handle {
+    #address;
+    #free;
+    constructor(address, free) {
+        this.#address = address;
+        this.#free = free;
+        registry.register(this, { address, free }, this);
+    }
+    get address() {
+        if (this.#address === 0) throw new BrittleError("invalid_argument", "it was disposed of");
+        return this.#address;
+    }
+    dispose() {
+        if (this.#address === 0) return;
+        registry.unregister(this);
+        module[this.#free](this.#address);
+        this.#address = 0;
+    }
+}
+
+const TYPES = [null, Float32Array, Float64Array, Uint16Array, Uint32Array];
+
+/** A copy of an array of the library, row after row. */
+function array(name, ...given) {
+    const m = need();
+    return scoped(({ room }) => {
+        const at = room(20);
+        if (!m[name](...given, at)) throw refusal();
+        const [data, rows, columns, stride, type] = new Uint32Array(m.HEAPU8.buffer, at, 5);
+        const Type = TYPES[type], out = new Type(rows * columns), size = Type.BYTES_PER_ELEMENT;
+        if (stride === columns * size) {
+            out.set(new Type(m.HEAPU8.buffer, data, out.length));
+        } else {
+            for (let row = 0; row < rows; ++row)
+                out.set(new Type(m.HEAPU8.buffer, data + row * stride, columns), row * columns);
+        }
+        return out;
+    });
+}
+
+function count(value, name) {
+    if (!Number.isInteger(value) || value < 0 || value > 0xffffffff)
+        throw new BrittleError("invalid_argument", `${name} is ${value}; it must be an integer from 0 to 2^32 - 1`);
+    return value;
+}
+
+function rows(values, columns, name, Type) {
+    if (values == null || typeof values.length !== "number" || values.length % columns !== 0)
+        throw new BrittleError("invalid_argument", `${name} must be an array with ${columns} numbers a row`);
+    if (Type === Uint32Array && !(values instanceof Uint32Array || values instanceof Uint16Array))
+        for (const value of values) count(value, name);
+    return values instanceof Type ? values : Type.from(values);
+}
+
+/** A triangle mesh. It never changes; repair() and unite() return another one. */
+export class Mesh {
+    #handle;
+    constructor(positions, triangles, { uv, materials, weld = false } = {}) {
+        if (positions instanceof Handle) {
+            this.#handle = positions;
+            return;
+        }
+        const points = rows(positions, 3, "positions", Float64Array);
+        const indices = rows(triangles, 3, "triangles", Uint32Array);
+        const corners = uv == null ? null : rows(uv, 2, "uv", Float32Array);
+        const numbers = materials == null ? null : rows(materials, 1, "materials", Uint32Array);
+        if (corners && corners.length !== (points.length / 3) * 2)
+            throw new BrittleError("invalid_argument", "uv must have two numbers for each vertex");
+        if (numbers && numbers.length !== indices.length / 3)
+            throw new BrittleError("invalid_argument", "materials must have a number for each triangle");
+        this.#handle = scoped(({ bytes }) =>
+            made(need()._web_mesh(bytes(points), points.length / 3, bytes(indices), indices.length / 3,
+                corners ? bytes(corners) : 0, numbers ? bytes(numbers) : 0, weld ? 1 : 0), "_web_mesh_free"));
+    }
+    get address() { return this.#handle.address; }
+    get positions() { return array("_web_mesh_array", this.address, 1); }
+    get triangles() { return array("_web_mesh_array", this.address, 2); }
+    inspect() { return answer(need()._web_mesh_inspect(this.address)); }
+    repair() { return new Mesh(made(need()._web_mesh_repair(this.address), "_web_mesh_free")); }
+    unite() { return new Mesh(made(need()._web_mesh_unite(this.address), "_web_mesh_free")); }
+    dispose() { this.#handle.dispose(); }
+}
+
+function made(address, free) {
+    if (address === 0) throw refusal();
+    return new Handle(address, free);
+}
+
+function answer(address) {
+    if (address === 0) throw refusal();
+    return JSON.parse(module.UTF8ToString(address));
+}
+
+/** Reads the bytes of a mesh file; `extension` names the format: ".glb", ".obj", ".stl", ".ply", ".off" or ".3ds". */
+export async function load(bytes, extension) {
+    await init();
+    const data = bytes instanceof Uint8Array ? bytes : new Uint8Array(bytes);
+    return scoped((m) => new Mesh(made(need()._web_mesh_load(m.bytes(data), data.length, m.text(extension)),
+        "_web_mesh_free")));
+}
+
+/** A procedural shape: "cube", "icosphere:4", "torus", "animal", "statue", ... */
+export async function shape(name) {
+    await init();
+    return scoped(({ text }) => new Mesh(made(need()._web_mesh_shape(text(name)), "_web_mesh_free")));
+}
+
+/** The pieces of a fracture. */
+export class Fracture {
+    #handle;
+    #arrays = new Map();
+    constructor(handle) { this.#handle = handle; }
+    get address() { return this.#handle.address; }
+    #array(which) {
+        if (!this.#arrays.has(which)) this.#arrays.set(which, array("_web_pieces_array", this.address, which));
+        return this.#arrays.get(which);
+    }
+    get length() { return this.#array(8).length; }
+    get volumes() { return this.#array(8); }
+    get centres() { return this.#array(10); }
+    get bonds() { return this.#array(12); }
+    get bondAreas() { return this.#array(13); }
+    get certificate() { return answer(need()._web_certificate(this.address)); }
+    get hash() { return this.certificate.hash; }
+    piece(index) {
+        if (!Number.isInteger(index) || index < 0 || index >= this.length)
+            throw new BrittleError("invalid_argument", `there is no piece ${index}; there are ${this.length}`);
+        const [vertices, triangles] = [this.#array(4), this.#array(5)];
+        return {
+            index,
+            positions: this.#array(1).subarray(3 * vertices[2 * index], 3 * vertices[2 * index + 1]),
+            triangles: this.#array(2).subarray(3 * triangles[2 * index], 3 * triangles[2 * index + 1]),
+            exteriorTriangles: this.#array(6)[index],
+            volume: this.volumes[index],
+            centre: this.centres.subarray(3 * index, 3 * index + 3),
+        };
+    }
+    *[Symbol.iterator]() {
+        for (let index = 0; index < this.length; ++index) yield this.piece(index);
+    }
+    surface(index) {
+        const m = need();
+        const handle = made(m._web_surface(this.address, count(index, "index")), "_web_surface_free");
+        try {
+            const parts = [];
+            for (let part = 0; part < m._web_surface_parts(handle.address); ++part) {
+                const [material, interior] = scoped(({ room }) => {
+                    const at = room(8);
+                    if (!m._web_surface_part(handle.address, part, at)) throw refusal();
+                    return new Uint32Array(m.HEAPU8.slice(at, at + 8).buffer);
+                });
+                const of = (which) => array("_web_surface_array", handle.address, part, which);
+                parts.push({ material: material === 0xffffffff ? null : material, interior: interior === 1,
+                             positions: of(1), normals: of(2), uv: of(3), triangles: of(6), vertices: of(7) });
+            }
+            return parts;
+        } finally {
+            handle.dispose();
+        }
+    }
+    toBytes(name = "pieces.glb") {
+        const m = need();
+        const handle = scoped(({ text }) => made(m._web_save(this.address, text(name)), "_web_files_free"));
+        try {
+            return scoped(({ room }) => {
+                const at = room(8);
+                if (!m._web_file(handle.address, at)) throw refusal();
+                const [data, size] = new Uint32Array(m.HEAPU8.buffer, at, 2);
+                return m.HEAPU8.slice(data, data + size);
+            });
+        } finally {
+            handle.dispose();
+        }
+    }
+    dispose() { this.#handle.dispose(); }
+}
+
+/** Cuts a closed mesh into watertight pieces. */
+export async function fracture(mesh, settings = {}) {
+    await init();
+    if (!(mesh instanceof Mesh))
+        throw new BrittleError("invalid_argument", "the first argument must be a Mesh, of load(), shape() or new Mesh()");
+    const { sites = 100, weights, ...rest } = settings;
+    const placed = typeof sites === "number" ? null : rows(sites, 3, "sites", Float64Array);
+    const heavier = weights == null ? null : rows(weights, 1, "weights", Float64Array);
+    if (heavier && (!placed || heavier.length !== placed.length / 3))
+        throw new BrittleError("invalid_argument", "weights must have a number for each site");
+    for (const [name, value] of Object.entries({ ...rest, sites: placed ? 1 : sites })) check(name, value);
+    if (!placed) rest.sites = sites;
+    return scoped(({ text, bytes }) => new Fracture(made(need()._web_fracture(mesh.address, text(JSON.stringify(rest)),
+        placed ? bytes(placed) : 0, heavier ? bytes(heavier) : 0, placed ? placed.length / 3 : 0), "_web_pieces_free")));
+}
+
+const KINDS = { sites: "count", seed: "count", cellsPerPiece: "count", detail: "count", pieceSize: "number",
+                jitter: "number", spread: "number", slenderness: "number", grading: "number", roughness: "number",
+                wavelength: "number", minVolume: "number", pattern: "string", material: "string", inside: "boolean",
+                focus: "vector", axis: "vector", grain: "vector" };
+
+function check(name, value) {
+    const kind = KINDS[name];
+    if (kind === undefined)
+        throw new BrittleError("invalid_setting",
+            `there is no setting ${name}; the settings are: ${Object.keys(KINDS).join(", ")}, weights`);
+    if (kind === "count") count(value, name);
+    else if (kind === "vector" ? !(Array.isArray(value) && value.length === 3 && value.every(Number.isFinite))
+        : kind === "number" ? !Number.isFinite(value) : typeof value !== kind)
+        throw new BrittleError("invalid_setting",
+            `${name} is ${value}; it must be a ${kind === "vector" ? "list of three numbers" : kind}`);
+}
+
+/** The version of the library. */
+export async function version() {
+    await init();
+    return module.UTF8ToString(module._web_version());
+}
