@@ -26,9 +26,8 @@ constexpr int directions_a_side = 10;    // bins along the side of a cube
 constexpr int settling_rounds = 3;       // of Lloyd's relaxation of the two sites
 
 struct Part {
-    TriangleMesh mesh; // of the uncut solid empty until its first cut
-    glm::dvec3 centre{0.0};
-    CollisionHull hull; // relative to centre
+    TriangleMesh mesh;              // of the uncut solid empty until its first cut
+    std::vector<glm::dvec3> points; // candidates for its hull
     double volume = 0.0;
     double excess = 0.0; // m^3, empty volume of the hull
     bool final = false;  // a cut failed
@@ -44,15 +43,13 @@ glm::dvec3 middle_of(std::span<const glm::dvec3> points) {
     return (low + high) * 0.5;
 }
 
-Part part_of(std::span<const glm::dvec3> positions, double volume, const HullSettings& settings) {
+Part part_of(std::span<const glm::dvec3> positions, double volume) {
     Part part;
-    const std::vector<glm::dvec3> points = hull_candidates(positions);
-    part.centre = middle_of(points);
-    part.hull = collision_hull(points, part.centre, settings);
+    part.points = hull_candidates(positions);
     part.volume = volume;
-    // Measures the exact hull. part.hull has a bounded number of vertices and a margin, and may be smaller than the
-    // solid.
-    const std::vector<glm::vec3> corners(points.begin(), points.end());
+    // Measures the exact hull. A collision hull has a bounded number of vertices and a margin, and may be smaller than
+    // the solid; only parts that are cut no more get one.
+    const std::vector<glm::vec3> corners(part.points.begin(), part.points.end());
     const TriangleMesh full = hull_mesh(corners);
     part.excess = fracture::signed_volume(full.positions, full.triangles) - volume;
     return part;
@@ -81,8 +78,7 @@ std::array<glm::dvec3, 2> two_sites(const TriangleMesh& mesh) {
 }
 
 // The parts on both sides of the bisector; empty if the cut fails.
-std::vector<Part> cut(const TriangleMesh& mesh, const HullSettings& settings, fracture::Workspace& workspace,
-                      Fragments& scratch) {
+std::vector<Part> cut(const TriangleMesh& mesh, fracture::Workspace& workspace, Fragments& scratch) {
     std::vector<Part> parts;
     const std::array<glm::dvec3, 2> sites = two_sites(mesh);
     const fracture::Result<void> done = fracture::fracture(mesh, sites, {.threads = 1}, workspace, scratch);
@@ -90,7 +86,7 @@ std::vector<Part> cut(const TriangleMesh& mesh, const HullSettings& settings, fr
     for (const fracture::Piece& piece : scratch.pieces) {
         const auto positions = scratch.positions_of(piece);
         const auto triangles = scratch.triangles_of(piece);
-        Part part = part_of(positions, piece.mass.volume, settings);
+        Part part = part_of(positions, piece.mass.volume);
         part.mesh = {{positions.begin(), positions.end()}, {triangles.begin(), triangles.end()}};
         parts.push_back(std::move(part));
     }
@@ -128,7 +124,7 @@ std::vector<glm::dvec3> hull_candidates(std::span<const glm::dvec3> points) {
 std::vector<BodyPart> convex_parts(std::span<const glm::dvec3> positions, std::span<const Triangle> triangles,
                                    double volume, const glm::dvec3& origin, const ConvexPartSettings& settings) {
     std::vector<Part> parts;
-    parts.push_back(part_of(settings.points.empty() ? positions : settings.points, volume, settings.hull));
+    parts.push_back(part_of(settings.points.empty() ? positions : settings.points, volume));
     fracture::Workspace workspace;
     Fragments scratch;
     while (parts.size() < settings.max_parts) {
@@ -141,7 +137,7 @@ std::vector<BodyPart> convex_parts(std::span<const glm::dvec3> positions, std::s
         if (!worst) break;
         if (worst->mesh.positions.empty())
             worst->mesh = {{positions.begin(), positions.end()}, {triangles.begin(), triangles.end()}};
-        std::vector<Part> halves = cut(worst->mesh, settings.hull, workspace, scratch);
+        std::vector<Part> halves = cut(worst->mesh, workspace, scratch);
         if (halves.empty() || parts.size() - 1 + halves.size() > settings.max_parts) {
             worst->final = true;
             continue;
@@ -150,9 +146,11 @@ std::vector<BodyPart> convex_parts(std::span<const glm::dvec3> positions, std::s
         for (size_t k = 1; k < halves.size(); ++k) parts.push_back(std::move(halves[k]));
     }
     std::vector<BodyPart> result;
-    for (Part& part : parts)
-        result.push_back(
-            {std::make_shared<const CollisionHull>(std::move(part.hull)), glm::vec3(part.centre - origin)});
+    for (const Part& part : parts) {
+        const glm::dvec3 centre = middle_of(part.points);
+        result.push_back({std::make_shared<const CollisionHull>(collision_hull(part.points, centre, settings.hull)),
+                          glm::vec3(centre - origin)});
+    }
     return result;
 }
 

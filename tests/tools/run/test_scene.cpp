@@ -10,6 +10,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "fracture/shapes/shapes.h"
+#include "tests/glb_file.h"
 #include "tests/tools/replays.h"
 #include "tests/tools/support.h"
 #include "tools/brittle/recipe/recipe.h"
@@ -114,6 +115,56 @@ TEST_CASE("scene: a mesh that turns out not to be breakable when it is cut stays
     CHECK(simulation.world().fixed(simulation.body_of(0)));
     CHECK(simulation.world().fixed(simulation.body_of(1)));
     CHECK_FALSE(simulation.world().fixed(simulation.body_of(2)));
+}
+
+TEST_CASE("scene: notes, failures, progress and pieces are the same whatever number of threads prepares the objects") {
+    const Folder folder;
+    const auto spheres = [&](double apart) { // of which one is inside out, which only the cut finds
+        fracture::TriangleMesh mesh = fracture::icosphere(1, 1.0);
+        const size_t triangles = mesh.triangles.size(), vertices = mesh.positions.size();
+        for (size_t v = 0; v < vertices; ++v)
+            mesh.positions.push_back(0.5 * mesh.positions[v] + glm::dvec3(apart, 0.0, 0.0));
+        for (size_t t = 0; t < triangles; ++t) {
+            const fracture::Triangle turned(mesh.triangles[t].x, mesh.triangles[t].z, mesh.triangles[t].y);
+            mesh.triangles.push_back(turned + static_cast<uint32_t>(vertices));
+        }
+        test_files::GlbFile glb;
+        glb.add_mesh(mesh);
+        return folder.write(std::to_string(apart) + ".glb", glb.bytes(R"("nodes": [{"mesh": 0}])")).string();
+    };
+    std::string objects;
+    for (int k = 0; k < 24; ++k) {
+        const std::string mesh = k % 5 == 3 ? spheres(3.0 + k) : k % 5 == 4 ? spheres(3.0) : "shape:vase";
+        objects += (k > 0 ? R"(, {"mesh": ")" : R"({"mesh": ")") + mesh + R"(", "scale": )"
+                   + (k % 2 == 0 ? "1" : std::to_string(1 + k)) + R"(, "translation": [)" + std::to_string(30 * k)
+                   + R"(, 0, 0], "name": "o)" + std::to_string(k) + R"("})";
+    }
+    const FractureOptions scene = scene_of(objects);
+    std::optional<uint64_t> hash;
+    for (const uint32_t threads : {1u, 2u, 7u}) {
+        FractureOptions options = scene;
+        options.threads = threads;
+        LoadedScene loaded = load_scene(options);
+        CHECK(loaded.notes.empty());
+        std::vector<double> shares;
+        const std::vector<PreparedObject> prepared =
+            prepare_scene(loaded, {}, [&](double share) { shares.push_back(share); });
+        REQUIRE(prepared.size() == 24);
+        for (size_t k = 0; k < 24; ++k) CHECK(prepared[k].name == "o" + std::to_string(k));
+        CHECK(shares.size() == 24);
+        CHECK(std::ranges::is_sorted(shares));
+        CHECK(shares.back() == 1.0);
+        std::vector<std::string> fixed;
+        for (const std::string& note : loaded.notes) fixed.push_back(note.substr(0, note.find(' ')));
+        CHECK(fixed == std::vector<std::string>{"o3", "o4", "o8", "o9", "o13", "o14", "o18", "o19", "o23"});
+        const uint64_t own = pieces_hash(prepared);
+        CHECK(own == hash.value_or(own));
+        hash = own;
+
+        for (const size_t k : {20u, 5u, 11u}) options.objects[k].recipe.sites_file = folder / "missing.txt";
+        loaded = load_scene(options);
+        CHECK_THROWS_WITH_AS((void)prepare_scene(loaded), doctest::Contains("object o5: "), Failure);
+    }
 }
 
 TEST_CASE("scene: commands for one mesh refuse a scene, and render refuses what a scene cannot show") {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <mutex>
 #include <optional>
 #include <set>
 #include <span>
@@ -13,6 +14,7 @@
 #include <glm/trigonometric.hpp>
 #include <nlohmann/json.hpp>
 
+#include "fracture/base/threads.h"
 #include "fracture/io/import.h"
 #include "fracture/io/text_cursor.h"
 #include "fracture/mesh/mass_properties.h"
@@ -34,13 +36,24 @@ bool is_cut_at_start(const SceneObject& object) {
     return !object.fixed && (object.recipe.world.bonded || object.shattered);
 }
 
-// The glTF files whose nodes are objects of a scene, each read once.
-class NodeFiles {
+// The files and shapes of a scene, each read once.
+class MeshFiles {
   public:
+    // The mesh of an object as its file has it. Throws a Failure.
+    const TriangleMesh& mesh_of(const SceneObject& object) {
+        if (const std::optional<uint32_t> mesh = index_of(object))
+            return scene_of(object.recipe.mesh).meshes[*mesh].mesh;
+        auto at = whole_.find(object.recipe.mesh);
+        if (at == whole_.end())
+            at = whole_.emplace(object.recipe.mesh, load_mesh_only(object.recipe.mesh).model.mesh).first;
+        return at->second;
+    }
+
+    // Throws a Failure.
     const fracture::MeshScene& scene_of(const std::string& file) { return content_of(file).scene; }
 
     // Index of an object's mesh in its file; nothing where the object is no node. Throws a Failure.
-    std::optional<uint32_t> mesh_of(const SceneObject& object) {
+    std::optional<uint32_t> index_of(const SceneObject& object) {
         if (object.node.empty()) return std::nullopt;
         const Content& content = content_of(object.recipe.mesh);
         const auto mesh = content.mesh_of.find(object.node);
@@ -61,24 +74,24 @@ class NodeFiles {
     };
 
     const Content& content_of(const std::string& file) {
-        const auto [at, is_new] = files_.try_emplace(file);
-        if (!is_new) return at->second;
-        at->second.scene = must(fracture::import_scene(file));
-        for (const fracture::SceneNode& node : at->second.scene.nodes) at->second.mesh_of[node.name] = node.mesh;
-        return at->second;
+        if (const auto known = nodes_.find(file); known != nodes_.end()) return known->second;
+        Content content{must(fracture::import_scene(file)), {}};
+        for (const fracture::SceneNode& node : content.scene.nodes) content.mesh_of[node.name] = node.mesh;
+        return nodes_.emplace(file, std::move(content)).first->second;
     }
 
-    std::map<std::string, Content> files_;
+    std::map<std::string, Content> nodes_;      // glTF files of which objects name nodes
+    std::map<std::string, TriangleMesh> whole_; // other files, and shapes
 };
 
 // Equal for objects whose meshes, and sites where they are cut at the start, are equal.
-std::string mesh_key(const SceneObject& object, NodeFiles& files) {
+std::string mesh_key(const SceneObject& object, MeshFiles& files) {
     FractureOptions mesh;
     if (is_cut_at_start(object)) mesh = object.recipe;
     mesh.mesh = object.recipe.mesh;
     mesh.repair = object.recipe.repair;
     mesh.unite = object.recipe.unite;
-    const std::optional<uint32_t> in_file = files.mesh_of(object);
+    const std::optional<uint32_t> in_file = files.index_of(object);
     return recipe_json(mesh) + (in_file ? std::to_string(*in_file) : "") + text_of(vector_json(object.placement.shear))
            + text_of(vector_json(object.placement.scale)) + (object.fixed ? " fixed" : "");
 }
@@ -92,12 +105,9 @@ std::string solid_key(const SceneObject& object) {
 }
 
 // Loads an object's mesh, in metres of the object, ready for a fracture unless it is fixed.
-Input load_object(const SceneObject& object, LengthUnit units, NodeFiles& files) {
+Input load_object(const SceneObject& object, LengthUnit units, MeshFiles& files) {
     Input input;
-    if (const std::optional<uint32_t> mesh = files.mesh_of(object))
-        input.model.mesh = files.scene_of(object.recipe.mesh).meshes[*mesh].mesh;
-    else
-        input = load_mesh_only(object.recipe.mesh);
+    input.model.mesh = files.mesh_of(object);
     input.name = object.name;
     const double metres = object.recipe.mesh.starts_with("shape:") ? 1.0 : metres_of(units);
     input.scale = metres * std::abs(object.placement.scale.x);
@@ -137,7 +147,7 @@ std::string note_of(const SceneObject& object, const std::string& fault) {
 }
 
 // A mesh that cannot be broken is loaded as that of a fixed object.
-LoadedMesh load(SceneObject object, LengthUnit units, NodeFiles& files) {
+LoadedMesh load(SceneObject object, LengthUnit units, MeshFiles& files) {
     LoadedMesh mesh;
     try {
         mesh.input = std::make_shared<const Input>(load_object(object, units, files));
@@ -162,7 +172,7 @@ std::vector<SceneObject> with_patterns(std::vector<SceneObject> objects, double 
 }
 
 // The objects of the level, then those of the recipe.
-std::vector<SceneObject> objects_of(const FractureOptions& scene, NodeFiles& files, std::vector<std::string>& notes) {
+std::vector<SceneObject> objects_of(const FractureOptions& scene, MeshFiles& files, std::vector<std::string>& notes) {
     if (scene.level.mesh.empty()) return with_patterns(scene.objects, scene.piece_scale);
     std::set<std::string> names;
     for (const SceneObject& object : scene.objects) names.insert(object.name);
@@ -198,7 +208,7 @@ LoadedScene load_scene(const FractureOptions& scene) {
     const InterruptDeadline deadline;
     LoadedScene loaded{.world = scene.world, .threads = scene.threads};
     loaded.world.height = 0.0;
-    NodeFiles files;
+    MeshFiles files;
     std::map<std::string, LoadedMesh> meshes;
     for (const SceneObject& object : objects_of(scene, files, loaded.notes)) {
         throw_if_interrupted();
@@ -223,11 +233,10 @@ LoadedScene load_scene(const FractureOptions& scene) {
 
 namespace {
 
-PreparedObject prepare_object(const LoadedScene& scene, const LoadedObject& loaded,
-                              const physics::PayloadMaker& payload) {
+PreparedObject prepare_object(const LoadedObject& loaded, const physics::PayloadMaker& payload, uint32_t threads) {
     const SceneObject& object = loaded.object;
     FractureOptions options = object.recipe;
-    options.threads = scene.threads;
+    options.threads = threads;
     options.world.breakable = !object.shattered; // whether the fracture leaves an object that is not bonded whole
     PreparedObject made{.name = object.name,
                         .world = world_of(options, loaded.input->scale),
@@ -239,60 +248,107 @@ PreparedObject prepare_object(const LoadedScene& scene, const LoadedObject& load
         made.surface = {loaded.input, &loaded.input->model.mesh};
     else
         made.fragments = std::make_shared<const fracture::Fragments>(break_input(*loaded.input, options).fragments);
-    prepare(made, payload, scene.threads);
+    prepare(made, payload, threads);
     return made;
 }
 
+// The state of one object while a scene is prepared.
+struct Work {
+    size_t like = 0; // the object whose solids it shares: itself, or an earlier one
+    std::optional<PreparedObject> made{};
+    std::optional<Failure> failure{};
+    std::string note{};
+};
+
 // An object that turns out not to be breakable only when it is cut, such as one that passes through itself, becomes
 // fixed.
-PreparedObject prepare_or_fix(LoadedScene& scene, LoadedObject& loaded, const physics::PayloadMaker& payload) {
+void prepare_or_fix(LoadedObject& loaded, const physics::PayloadMaker& payload, uint32_t threads, Work& work) {
     try {
-        return prepare_object(scene, loaded, payload);
+        work.made = prepare_object(loaded, payload, threads);
     } catch (const Failure& failure) {
         if (failure.code() != exit_mesh || loaded.object.fixed) throw;
-        scene.notes.push_back(note_of(loaded.object, failure.what()));
+        work.note = note_of(loaded.object, failure.what());
+        fix(loaded.object);
+        work.made = prepare_object(loaded, payload, threads);
+    }
+}
+
+void copy_prepared(const PreparedObject& like, LoadedObject& loaded, const physics::PayloadMaker& payload, Work& work) {
+    if (like.fixed() && !loaded.object.fixed) {
+        work.note = note_of(loaded.object, "as " + like.name);
         fix(loaded.object);
     }
-    return prepare_object(scene, loaded, payload);
+    PreparedObject& copy = work.made.emplace(PreparedObject{.name = loaded.object.name,
+                                                            .fragments = like.fragments,
+                                                            .surface = like.surface,
+                                                            .world = like.world,
+                                                            .material = like.material,
+                                                            .rigid = like.rigid,
+                                                            .placement = loaded.placement});
+    copy.world.seed = loaded.object.recipe.pattern.seed;
+    copy.bodies.solids = like.bodies.solids;
+    prepare_payloads(copy, payload, 1);
+}
+
+std::vector<Work> work_of(const LoadedScene& scene) {
+    std::vector<Work> work;
+    std::map<std::pair<const Input*, std::string>, size_t> known;
+    for (const LoadedObject& loaded : scene.objects) {
+        const auto key = std::pair(loaded.input.get(), solid_key(loaded.object));
+        work.push_back({.like = known.try_emplace(key, work.size()).first->second});
+    }
+    return work;
+}
+
+// Triangles to prepare; a site takes about as long as fifty.
+size_t cost_of(const LoadedObject& loaded) {
+    constexpr size_t triangles_per_site = 50;
+    return loaded.input->model.mesh.triangles.size() + triangles_per_site * loaded.input->sites.size();
 }
 
 } // namespace
 
 std::vector<PreparedObject> prepare_scene(LoadedScene& scene, const physics::PayloadMaker& payload,
                                           const std::function<void(double)>& progress) {
-    std::vector<PreparedObject> objects;
-    std::map<std::pair<const Input*, std::string>, size_t> known;
-    for (LoadedObject& loaded : scene.objects) {
-        throw_if_interrupted();
-        if (progress) progress(static_cast<double>(objects.size()) / static_cast<double>(scene.objects.size()));
-        const auto key = std::pair(loaded.input.get(), solid_key(loaded.object));
-        const auto [at, is_new] = known.try_emplace(key, objects.size());
-        try {
-            if (is_new) {
-                objects.push_back(prepare_or_fix(scene, loaded, payload));
-                continue;
-            }
-            const PreparedObject& like = objects[at->second];
-            if (like.fixed() && !loaded.object.fixed) {
-                scene.notes.push_back(note_of(loaded.object, "as " + like.name));
-                fix(loaded.object);
-            }
-            PreparedObject copy{.name = loaded.object.name,
-                                .fragments = like.fragments,
-                                .surface = like.surface,
-                                .world = like.world,
-                                .material = like.material,
-                                .rigid = like.rigid,
-                                .placement = loaded.placement};
-            copy.world.seed = loaded.object.recipe.pattern.seed;
-            copy.bodies.solids = like.bodies.solids;
-            prepare_payloads(copy, payload, scene.threads);
-            objects.push_back(std::move(copy));
-        } catch (const Failure& failure) {
-            throw Failure(failure.code(), "object " + loaded.object.name + ": " + failure.what());
-        }
+    std::vector<Work> work = work_of(scene);
+    std::vector<size_t> originals, copies;
+    size_t cost = 0;
+    for (size_t k = 0; k < work.size(); ++k) {
+        const bool is_original = work[k].like == k;
+        (is_original ? originals : copies).push_back(k);
+        if (is_original) cost += cost_of(scene.objects[k]);
     }
-    if (progress) progress(1.0);
+    fracture::Threads pool(scene.threads);
+    std::mutex reporting;
+    size_t done = 0;
+    // Objects side by side. A failure is kept, so that the first object in the scene's order reports its own.
+    const auto for_each = [&](const std::vector<size_t>& objects, const auto& body) {
+        pool.for_each(static_cast<uint32_t>(objects.size()), [&](uint32_t n) {
+            const size_t k = objects[n];
+            throw_if_interrupted();
+            try {
+                body(k);
+            } catch (const Failure& failure) {
+                work[k].failure = failure;
+            }
+            const std::lock_guard lock(reporting);
+            if (progress) progress(static_cast<double>(++done) / static_cast<double>(work.size()));
+        });
+        for (const size_t k : objects)
+            if (const std::optional<Failure>& failure = work[k].failure)
+                throw Failure(failure->code(), "object " + scene.objects[k].object.name + ": " + failure->what());
+    };
+    for_each(originals, [&](size_t k) {
+        // All threads help with an object that is more than a thread's share.
+        const bool is_large = cost_of(scene.objects[k]) > cost / pool.count();
+        prepare_or_fix(scene.objects[k], payload, is_large ? pool.count() : 1, work[k]);
+    });
+    for_each(copies, [&](size_t k) { copy_prepared(*work[work[k].like].made, scene.objects[k], payload, work[k]); });
+    std::vector<PreparedObject> objects;
+    for (Work& one : work) {
+        if (!one.note.empty()) scene.notes.push_back(std::move(one.note));
+        objects.push_back(std::move(*one.made));
+    }
     return objects;
 }
 
