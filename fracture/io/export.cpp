@@ -96,12 +96,7 @@ Result<Files> make_all(const std::filesystem::path& file, const Fragments& fragm
     std::vector<uint32_t> pieces(fragments.pieces.size());
     std::iota(pieces.begin(), pieces.end(), 0u);
     Files made;
-    std::optional<TriangleTree> outside;
-    if (options.rough && options.source) {
-        std::vector<uint32_t> all(options.source->mesh.triangles.size());
-        std::iota(all.begin(), all.end(), 0u);
-        outside.emplace(options.source->mesh, std::move(all));
-    }
+    const std::optional<TriangleTree> outside = outside_of(options);
     const TriangleTree* const tree = outside ? &*outside : nullptr;
     if (!options.per_piece) {
         const ExportJob job{fragments, certificate, options, pieces, file.stem().string(), tree};
@@ -171,6 +166,18 @@ Fragments whole_of(const Model& model) {
 
 } // namespace
 
+Result<void> check_export(const Fragments& fragments, const ExportOptions& options) {
+    if (Result<void> positive = check_volumes(fragments); !positive) return positive;
+    return check_lists(fragments, options);
+}
+
+std::optional<TriangleTree> outside_of(const ExportOptions& options) {
+    if (!options.rough || !options.source) return std::nullopt;
+    std::vector<uint32_t> all(options.source->mesh.triangles.size());
+    std::iota(all.begin(), all.end(), 0u);
+    return TriangleTree(options.source->mesh, std::move(all));
+}
+
 std::string piece_name(const ExportOptions& options, uint32_t piece) {
     char number[16];
     std::snprintf(number, sizeof number, "_%03u", piece);
@@ -221,6 +228,12 @@ Result<std::vector<ExportedFile>> export_pieces_to_memory(const std::string& nam
                                                           const ExportOptions& options) {
     if (const Result<void> positive = check_volumes(fragments); !positive) return positive.error();
     return keep_pieces(name, fragments, certificate, options);
+}
+
+Result<void> ObjectExport::write(const std::filesystem::path& file) {
+    Result<std::vector<std::byte>> glb = bytes();
+    if (!glb) return Error{glb.error().status, file.string() + ": " + glb.error().message};
+    return write_file_atomically(file, *glb);
 }
 
 Result<Files> export_model(const std::filesystem::path& file, const Model& model, const std::string& name) {

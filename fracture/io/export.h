@@ -24,6 +24,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -100,6 +101,32 @@ struct ExportedFile {
                                                                         const Fragments& fragments,
                                                                         const Certificate& certificate,
                                                                         const ExportOptions& options = {});
+
+// Several objects in one GLB file: each a root node with the pieces as children, as export_pieces() writes them, without
+// a certificate. `extras.brittle` of a root: object, its name, and recipe. Equal materials are written once.
+//
+//     ObjectExport scene;
+//     for (const Object& object : objects) must(scene.add(object.pieces, {.name = object.name, .poses = object.poses}));
+//     must(scene.write("rubble.glb"));
+class ObjectExport {
+  public:
+    ObjectExport();
+    ~ObjectExport();
+    ObjectExport(const ObjectExport&) = delete;
+    ObjectExport& operator=(const ObjectExport&) = delete;
+
+    // Names should differ; per_piece has no effect. Errors as export_pieces(), and invalid_setting for a source with
+    // materials, textures or images; its normals, coordinates and colours are written.
+    [[nodiscard]] Result<void> add(const Fragments& fragments, const ExportOptions& options);
+    // Once, after the last object. Errors: invalid_setting without objects; write_failed.
+    [[nodiscard]] Result<void> write(const std::filesystem::path& file);
+    [[nodiscard]] Result<std::vector<std::byte>> bytes(); // in place of write()
+
+  private:
+    struct Writer;
+    std::unique_ptr<Writer> writer_;
+    bool has_objects_ = false;
+};
 
 // Exports a whole model, after a repair for example: one piece without interior.
 [[nodiscard]] Result<std::vector<std::filesystem::path>>

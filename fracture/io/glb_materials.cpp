@@ -77,54 +77,73 @@ Json image_json(const Image& image, const std::function<size_t(std::vector<std::
 
 } // namespace
 
-GlbMaterials::GlbMaterials(const ExportOptions& options)
-    : options_(options), source_materials_(options.source ? options.source->materials.size() : 0) {
-    const std::vector<uint32_t> none;
-    const auto& materials = options.source ? options.source->material_of : none;
-    has_exterior_ = materials.empty() || std::find(materials.begin(), materials.end(), no_material) != materials.end();
+size_t GlbMaterials::sampler_of(const Texture& texture) {
+    Json json{{"wrapS", texture.wrap_s}, {"wrapT", texture.wrap_t}};
+    if (texture.min_filter != 0) json["minFilter"] = texture.min_filter;
+    if (texture.mag_filter != 0) json["magFilter"] = texture.mag_filter;
+    const auto known = std::find(samplers_.begin(), samplers_.end(), json);
+    if (known == samplers_.end()) {
+        samplers_.push_back(std::move(json));
+        return samplers_.size() - 1;
+    }
+    return static_cast<size_t>(known - samplers_.begin());
 }
 
-size_t GlbMaterials::material_of(const DrawnPart& part) {
-    if (part.interior) return source_materials_ + (has_exterior_ ? 1 : 0);
-    return part.material == no_material ? source_materials_ : part.material;
+// Objects with one image share its texture.
+size_t GlbMaterials::interior_texture(const Image& image) {
+    const auto is_equal = [&](const Image* other) {
+        return other->name == image.name && other->mime_type == image.mime_type && other->bytes == image.bytes;
+    };
+    const auto known =
+        std::find_if(images_.end() - static_cast<std::ptrdiff_t>(interior_images_.size()), images_.end(), is_equal);
+    const auto number = static_cast<size_t>(known - images_.begin());
+    if (known == images_.end()) {
+        images_.push_back(&interior_images_.emplace_back(image));
+        textures_.push_back({{"sampler", sampler_of({})}, {"source", number}});
+    }
+    return textures_.size() - (images_.size() - number); // each of these images has one texture, in the same order
+}
+
+void GlbMaterials::use(const ExportOptions& options) {
+    const std::vector<uint32_t> none;
+    const auto& used = options.source ? options.source->material_of : none;
+    has_exterior_ = used.empty() || std::find(used.begin(), used.end(), no_material) != used.end();
+    if (const Model* source = options.source) {
+        for (const Material& material : source->materials) materials_.push_back(material_json(material, extensions_));
+        for (const Image& image : source->images) images_.push_back(&image);
+        for (const Texture& texture : source->textures) {
+            Json json{{"sampler", sampler_of(texture)}};
+            if (texture.image) json["source"] = *texture.image;
+            put_extensions(json, texture.extensions, extensions_);
+            textures_.push_back(std::move(json));
+        }
+    }
+    Json own = Json::array();
+    if (has_exterior_) own.push_back(material_json(exterior_material(options), extensions_));
+    Json& interior = own.emplace_back(material_json(interior_material(options), extensions_));
+    if (options.interior_image)
+        interior["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", interior_texture(*options.interior_image)}};
+    const auto known = std::ranges::find(own_, own, &Own::materials);
+    first_own_ = known != own_.end() ? known->first : materials_.size();
+    if (known != own_.end()) return;
+    for (const Json& material : own) materials_.push_back(material);
+    own_.push_back({std::move(own), first_own_});
+}
+
+size_t GlbMaterials::material_of(const DrawnPart& part) const {
+    if (part.interior) return first_own_ + (has_exterior_ ? 1 : 0);
+    return part.material == no_material ? first_own_ : part.material;
 }
 
 void GlbMaterials::add_to(Json& document, std::set<std::string>& used,
                           const std::function<size_t(std::vector<std::byte>)>& add_view) const {
-    Json materials = Json::array(), textures = Json::array(), images = Json::array(), samplers = Json::array();
-    const auto sampler = [&](const Texture& texture) {
-        Json json{{"wrapS", texture.wrap_s}, {"wrapT", texture.wrap_t}};
-        if (texture.min_filter != 0) json["minFilter"] = texture.min_filter;
-        if (texture.mag_filter != 0) json["magFilter"] = texture.mag_filter;
-        const auto known = std::find(samplers.begin(), samplers.end(), json);
-        if (known == samplers.end()) {
-            samplers.push_back(std::move(json));
-            return samplers.size() - 1;
-        }
-        return static_cast<size_t>(known - samplers.begin());
-    };
-    if (const Model* source = options_.source) {
-        for (const Material& material : source->materials) materials.push_back(material_json(material, used));
-        for (const Image& image : source->images) images.push_back(image_json(image, add_view));
-        for (const Texture& texture : source->textures) {
-            Json json{{"sampler", sampler(texture)}};
-            if (texture.image) json["source"] = *texture.image;
-            put_extensions(json, texture.extensions, used);
-            textures.push_back(std::move(json));
-        }
-    }
-    if (has_exterior_) materials.push_back(material_json(exterior_material(options_), used));
-    Json interior = material_json(interior_material(options_), used);
-    if (options_.interior_image) {
-        interior["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", textures.size()}};
-        textures.push_back({{"sampler", sampler({})}, {"source", images.size()}});
-        images.push_back(image_json(*options_.interior_image, add_view));
-    }
-    materials.push_back(std::move(interior));
-    document["materials"] = std::move(materials);
-    if (!textures.empty()) document["textures"] = std::move(textures);
+    used.insert(extensions_.begin(), extensions_.end());
+    Json images = Json::array();
+    for (const Image* image : images_) images.push_back(image_json(*image, add_view));
+    document["materials"] = materials_;
+    if (!textures_.empty()) document["textures"] = textures_;
     if (!images.empty()) document["images"] = std::move(images);
-    if (!samplers.empty()) document["samplers"] = std::move(samplers);
+    if (!samplers_.empty()) document["samplers"] = samplers_;
 }
 
 } // namespace brittle::fracture

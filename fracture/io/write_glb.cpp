@@ -3,8 +3,11 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
+#include <numeric>
+#include <optional>
 #include <set>
 #include <tuple>
+#include <utility>
 
 #include <glm/ext/vector_uint2_sized.hpp>
 #include <glm/geometric.hpp>
@@ -129,27 +132,33 @@ class JsonList {
 
 class GlbWriter {
   public:
-    explicit GlbWriter(const ExportJob& job) : job_(job), options_(job.options) {}
-
-    Result<Buffer> write(const Json& recipe) {
-        find_bonds();
-        Json root = {{"name", options_.name}};
+    // Adds an object: a root node with its pieces as children. `extras` are the root's.
+    Result<void> add(const ExportJob& job, Json extras) {
+        job_ = &job;
+        materials_.use(job.options);
+        bonds_.clear();
+        for (const Bond& bond : job.fragments.bonds) bonds_[bond.a].push_back(&bond);
+        Json root = {{"name", job.options.name}};
         Json children = Json::array();
-        nodes_.add(nullptr); // the root, set below
-        for (const uint32_t p : job_.pieces) {
+        const size_t at = nodes_.add(nullptr);
+        for (const uint32_t p : job.pieces) {
             children.push_back(nodes_.size());
-            if (Result<void> done = add_piece(p); !done) return done.error();
+            if (Result<void> done = add_piece(p); !done) return done;
         }
         if (!children.empty()) root["children"] = std::move(children);
-        root["extras"]["brittle"] = {{"certificate", Json::parse(certificate_json(job_.certificate))},
-                                     {"recipe", recipe}};
-        nodes_.set(0, root);
+        root["extras"]["brittle"] = std::move(extras);
+        nodes_.set(at, root);
+        roots_.push_back(at);
+        if (job.options.rigid_bodies) extensions_.insert(rigid_body_extension);
+        return {};
+    }
 
+    // Once. There are objects.
+    Result<Buffer> write() {
         Json document;
         document["asset"] = {{"version", "2.0"}, {"generator", "Brittle " BRITTLE_VERSION}};
-        if (options_.rigid_bodies) extensions_.insert(rigid_body_extension);
         document["scene"] = 0;
-        document["scenes"] = Json::array({{{"nodes", {0}}}});
+        document["scenes"] = Json::array({{{"nodes", roots_}}});
         document["nodes"] = nullptr; // assemble() puts the lists in the places of these
         if (!meshes_.empty()) {      // glTF forbids empty lists
             document["meshes"] = nullptr;
@@ -163,10 +172,6 @@ class GlbWriter {
     }
 
   private:
-    void find_bonds() {
-        for (const Bond& bond : job_.fragments.bonds) bonds_[bond.a].push_back(&bond);
-    }
-
     [[nodiscard]] static Json json_of(std::span<const Bond* const> bonds) {
         Json list = Json::array();
         for (const Bond* bond : bonds)
@@ -178,13 +183,13 @@ class GlbWriter {
     }
 
     Result<void> add_piece(uint32_t p) {
-        const Piece& piece = job_.fragments.pieces[p];
+        const Piece& piece = job_->fragments.pieces[p];
         const MassProperties& mass = piece.mass;
         const glm::dvec3 origin = origin_of(mass);
-        const std::string name = piece_name(options_, p);
+        const std::string name = piece_name(job_->options, p);
         Json primitives = Json::array();
         const bool touches = has_touching_points(piece, origin);
-        for (const DrawnPart& part : drawn_parts(job_.fragments, piece, surface_settings(job_))) {
+        for (const DrawnPart& part : drawn_parts(job_->fragments, piece, surface_settings(*job_))) {
             Result<Json> primitive = add_part(part, piece, origin, name, touches);
             if (!primitive) return primitive.error();
             primitives.push_back(std::move(*primitive));
@@ -217,15 +222,15 @@ class GlbWriter {
 
     // The mass properties in the axes of the node; the centre of mass is rounded where it is also the translation.
     [[nodiscard]] glm::dvec3 origin_of(const MassProperties& mass) const {
-        return options_.poses.empty() ? glm::dvec3(glm::vec3(mass.centre_of_mass)) : mass.centre_of_mass;
+        return job_->options.poses.empty() ? glm::dvec3(glm::vec3(mass.centre_of_mass)) : mass.centre_of_mass;
     }
 
     void place(Json& node, uint32_t p, const glm::dvec3& origin) const {
-        if (options_.poses.empty()) {
+        if (job_->options.poses.empty()) {
             node["translation"] = array_of(glm::vec3(origin));
             return;
         }
-        const PiecePose& pose = options_.poses[p];
+        const PiecePose& pose = job_->options.poses[p];
         const glm::quat turn(glm::normalize(pose.orientation));
         node["translation"] = array_of(glm::vec3(pose.position));
         node["rotation"] = {turn.x, turn.y, turn.z, turn.w};
@@ -234,17 +239,18 @@ class GlbWriter {
     // A single hull is the collider of its piece; several hulls are colliders of their own nodes.
     Result<void> add_hulls(Json& node, uint32_t p, const glm::dvec3& origin, const std::string& name) {
         std::vector<const TriangleMesh*> hulls;
-        if (!options_.hulls.empty())
-            for (const TriangleMesh& hull : options_.hulls[p])
+        if (!job_->options.hulls.empty())
+            for (const TriangleMesh& hull : job_->options.hulls[p])
                 if (!hull.triangles.empty()) hulls.push_back(&hull);
         const bool alone = hulls.size() == 1;
-        if (options_.rigid_bodies)
-            node["extensions"][rigid_body_extension] = rigid_body_json(
-                job_.fragments.pieces[p].mass, options_.density, alone ? std::optional(nodes_.size()) : std::nullopt);
+        if (job_->options.rigid_bodies)
+            node["extensions"][rigid_body_extension] =
+                rigid_body_json(job_->fragments.pieces[p].mass, job_->options.density,
+                                alone ? std::optional(nodes_.size()) : std::nullopt);
         for (size_t k = 0; k < hulls.size(); ++k) {
             Result<Json> hull = hull_node(*hulls[k], origin, hull_name(name, k, alone));
             if (!hull) return hull.error();
-            if (options_.rigid_bodies && !alone)
+            if (job_->options.rigid_bodies && !alone)
                 (*hull)["extensions"][rigid_body_extension] = collider_json(nodes_.size());
             node["children"].push_back(nodes_.size());
             nodes_.add(*hull);
@@ -255,7 +261,7 @@ class GlbWriter {
     [[nodiscard]] std::string hull_name(const std::string& piece, size_t hull, bool alone) const {
         char number[24];
         std::snprintf(number, sizeof number, "_%02zu", hull);
-        if (options_.hull_names == HullNames::unreal) return "UCX_" + piece + number;
+        if (job_->options.hull_names == HullNames::unreal) return "UCX_" + piece + number;
         return piece + (alone ? "" : number) + "-convcolonly";
     }
 
@@ -296,7 +302,7 @@ class GlbWriter {
     // Returns whether several vertices of the piece have one position in single precision.
     [[nodiscard]] bool has_touching_points(const Piece& piece, const glm::dvec3& origin) const {
         std::vector<glm::vec3> positions;
-        for (const glm::dvec3& p : job_.fragments.positions_of(piece)) positions.emplace_back(p - origin);
+        for (const glm::dvec3& p : job_->fragments.positions_of(piece)) positions.emplace_back(p - origin);
         const auto before = [](const glm::vec3& a, const glm::vec3& b) {
             return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
         };
@@ -307,7 +313,7 @@ class GlbWriter {
     // `touches`: with _POINT, so that a reader does not weld vertices of parts that touch.
     Result<Json> add_part(const DrawnPart& part, const Piece& piece, const glm::dvec3& origin, const std::string& name,
                           bool touches) {
-        const auto of_piece = job_.fragments.positions_of(piece);
+        const auto of_piece = job_->fragments.positions_of(piece);
         std::vector<glm::vec3> positions;
         positions.reserve(part.vertices.size());
         for (const uint32_t v : part.vertices) positions.emplace_back(of_piece[v] - origin);
@@ -409,9 +415,9 @@ class GlbWriter {
         return glb;
     }
 
-    const ExportJob& job_;
-    const ExportOptions& options_;
-    GlbMaterials materials_{options_};
+    const ExportJob* job_ = nullptr; // the one that add() adds
+    GlbMaterials materials_;
+    std::vector<size_t> roots_;
     std::map<uint32_t, std::vector<const Bond*>> bonds_; // of each piece to those with a higher number, in any file
     JsonList nodes_, meshes_, accessors_;
     Views views_;
@@ -437,9 +443,40 @@ Result<Json> parse_recipe(const std::string& text) {
 Result<std::vector<OutputFile>> write_glb(const ExportJob& job) {
     const Result<Json> recipe = parse_recipe(job.options.recipe);
     if (!recipe) return recipe.error();
-    Result<Buffer> glb = GlbWriter(job).write(*recipe);
+    GlbWriter writer;
+    const Json extras{{"certificate", Json::parse(certificate_json(job.certificate))}, {"recipe", *recipe}};
+    if (Result<void> done = writer.add(job, extras); !done) return done.error();
+    Result<Buffer> glb = writer.write();
     if (!glb) return glb.error();
     return std::vector<OutputFile>{{"", std::move(*glb)}};
+}
+
+struct ObjectExport::Writer : GlbWriter {};
+
+ObjectExport::ObjectExport() : writer_(std::make_unique<Writer>()) {}
+ObjectExport::~ObjectExport() = default;
+
+Result<void> ObjectExport::add(const Fragments& fragments, const ExportOptions& options) {
+    if (Result<void> valid = check_export(fragments, options); !valid) return valid;
+    const Model* const source = options.source;
+    if (source && !(source->materials.empty() && source->textures.empty() && source->images.empty()))
+        return Error{Status::invalid_setting, options.name
+                                                  + ": the materials of several objects cannot be joined; "
+                                                    "leave those of their sources out"};
+    const Result<Json> recipe = parse_recipe(options.recipe);
+    if (!recipe) return recipe.error();
+    std::vector<uint32_t> pieces(fragments.pieces.size());
+    std::iota(pieces.begin(), pieces.end(), 0u);
+    const std::optional<TriangleTree> outside = outside_of(options);
+    const Certificate none;
+    const ExportJob job{fragments, none, options, pieces, "", outside ? &*outside : nullptr};
+    has_objects_ = true;
+    return writer_->add(job, {{"object", options.name}, {"recipe", *recipe}});
+}
+
+Result<std::vector<std::byte>> ObjectExport::bytes() {
+    if (!has_objects_) return Error{Status::invalid_setting, "there are no objects to export"};
+    return writer_->write();
 }
 
 } // namespace brittle::fracture

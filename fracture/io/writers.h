@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -28,6 +29,13 @@ struct ExportJob {
     std::string stem;                 // of the file name, for the names of files beside it
     const TriangleTree* outside;      // of the source's mesh, for rough cuts; else null
 };
+
+// Checks that lists with one entry per piece are complete, that poses are valid, and that no piece would be written with
+// a negative mass.
+[[nodiscard]] Result<void> check_export(const Fragments& fragments, const ExportOptions& options);
+
+// The tree of ExportJob::outside; nothing where it is not needed.
+[[nodiscard]] std::optional<TriangleTree> outside_of(const ExportOptions& options);
 
 // The name of a piece: NAME_000, ...
 [[nodiscard]] std::string piece_name(const ExportOptions& options, uint32_t piece);

@@ -390,3 +390,73 @@ TEST_CASE("export: equal input gives equal bytes") {
     const std::string first = test::read_text(exported(folder, two_halves()));
     CHECK(test::read_text(exported(folder, two_halves())) == first);
 }
+
+TEST_CASE("export objects: bad objects are refused, and those before them are written") {
+    const test::Folder folder;
+    const fs::path file = folder.path / "scene.glb";
+    ObjectExport scene;
+    CHECK(scene.write(file).error().status == Status::invalid_setting);
+    REQUIRE(scene.add(two_halves(), {.name = "a"}));
+    const std::vector<PiecePose> one_pose(1);
+    Model textured;
+    textured.materials.emplace_back();
+    Fragments negative = two_halves();
+    negative.pieces[1].mass.volume = -1.0;
+    CHECK(scene.add(two_halves(), {.name = "b", .poses = one_pose}).error().status == Status::invalid_setting);
+    CHECK(scene.add(two_halves(), {.name = "b", .recipe = "[]"}).error().status == Status::invalid_setting);
+    CHECK(scene.add(negative, {.name = "b"}).error().status == Status::inverted_part);
+    const auto refused = scene.add(two_halves(), {.name = "b", .source = &textured});
+    CHECK(refused.error().status == Status::invalid_setting);
+    CHECK(refused.error().message.find("b: the materials of several objects") == 0);
+    REQUIRE(scene.add({}, {.name = "nothing left"}));
+    REQUIRE(scene.write(file));
+    const Glb glb = read_glb(file);
+    CHECK(glb.document["nodes"].size() == 4);
+    CHECK(glb.document["scenes"][0]["nodes"] == json({0, 3}));
+    CHECK(glb.document["nodes"][3]["name"] == "nothing left");
+    CHECK_FALSE(glb.document["nodes"][3].contains("children"));
+}
+
+TEST_CASE("export objects: each is a root with its pieces as one file has them, and equal materials are written once") {
+    const test::Folder folder;
+    const fs::path file = folder.path / "scene.glb";
+    const Image stone{"stone", "image/png", {std::byte{1}, std::byte{2}}}, wood{"wood", "image/png", {std::byte{3}}};
+    Fragments bonded = two_halves();
+    bonded.bonds.push_back({0, 1, 1.6, {0.1, 0.1, 0.2}, {1.0, 0.0, 0.0}});
+    const std::vector<PiecePose> poses{{{1.0, 2.0, 3.0}, glm::dquat(0.6, 0.0, 0.8, 0.0)}, {}};
+    ObjectExport scene;
+    REQUIRE(scene.add(bonded, {.name = "a", .recipe = R"({"x":1})", .interior_image = stone}));
+    REQUIRE(scene.add(two_halves(), {.name = "b", .poses = poses, .interior_image = wood}));
+    REQUIRE(scene.add(two_halves(), {.name = "c", .interior_image = stone}));
+    REQUIRE(scene.write(file));
+    const Glb glb = read_glb(file), alone = read_glb(exported(folder, bonded, {.name = "a", .interior_image = stone}));
+    const json &nodes = glb.document["nodes"], &of_one = alone.document["nodes"];
+    CHECK(glb.document["scenes"][0]["nodes"] == json({0, 3, 6}));
+    CHECK(nodes[0]["extras"]["brittle"] == json({{"object", "a"}, {"recipe", {{"x", 1}}}}));
+    CHECK(nodes[0]["children"] == json({1, 2}));
+    CHECK(nodes[1] == of_one[1]); // with its bond
+    CHECK(nodes[2] == of_one[2]);
+    CHECK(nodes[4]["name"] == "b_000");
+    CHECK(nodes[4]["translation"] == json({1.0, 2.0, 3.0}));
+    CHECK_FALSE(nodes[7]["extras"]["brittle"].contains("bonds")); // those of a are a's
+    const auto interior = [&](size_t node) {
+        const json& mesh = glb.document["meshes"][nodes[node]["mesh"].get<size_t>()];
+        const json& material = glb.document["materials"][mesh["primitives"].back()["material"].get<size_t>()];
+        const json& texture = material["pbrMetallicRoughness"]["baseColorTexture"]["index"];
+        return glb.document["images"][glb.document["textures"][texture.get<size_t>()]["source"].get<size_t>()]["name"];
+    };
+    CHECK(interior(1) == "stone");
+    CHECK(interior(4) == "wood");
+    CHECK(interior(7) == "stone");
+    CHECK(glb.document["materials"].size() == 4);
+    CHECK(glb.document["textures"].size() == 2);
+    CHECK(glb.document["images"].size() == 2);
+    CHECK(glb.document["samplers"].size() == 1);
+    for (const size_t node : {1u, 2u, 7u, 8u}) {
+        const auto positions = [](const Glb& of, const json& at) {
+            const json& mesh = of.document["meshes"][at["mesh"].get<size_t>()];
+            return vectors(of, mesh["primitives"][0]["attributes"]["POSITION"].get<size_t>());
+        };
+        CHECK(positions(glb, nodes[node]) == positions(alone, of_one[node > 2 ? node - 6 : node]));
+    }
+}

@@ -179,9 +179,10 @@ TEST_CASE("scene: commands for one mesh refuse a scene, and render refuses what 
     }
     const std::string render = "render " + scene + " --frames 0 --size 32x32 -o " + folder / "x.png";
     CHECK(run_brittle(folder, render + " --whole").has("no picture of whole"));
-    const Outcome exported = run_brittle(folder, render + " --export " + folder / "x.glb");
+    const Outcome exported = run_brittle(folder, render + " --export " + folder / "x.obj");
     CHECK(exported.exit_code == exit_usage);
-    CHECK(exported.has("--export"));
+    CHECK(exported.has("--export: a scene is written as one .glb file"));
+    CHECK(run_brittle(folder, render + " --per-piece --export " + folder / "x.glb").has("--per-piece: a scene"));
     CHECK_FALSE(std::filesystem::exists(folder / "x.png"));
     CHECK(run_brittle(folder, render + " --material glass").has("have no effect on a scene"));
     CHECK_FALSE(run_brittle(folder, render + " --air-density 0").has("have no effect on a scene"));

@@ -120,7 +120,7 @@ void write_graph(const RenderCommand& command, const engine::Renderer& renderer)
 
 // Refuses what a scene cannot show, and warns of options of one mesh, which its objects have themselves.
 void check_scene_options(const RenderCommand& command) {
-    refuse_export_of_scene(command.fracture, command.pieces.files);
+    check_export_of_scene(command.fracture, command.pieces.files);
     const PictureOptions& picture = command.fracture.picture;
     const std::pair<bool, const char*> of_one_mesh[] = {
         {picture.whole, "whole"}, {picture.planes > 0, "planes"}, {picture.sites, "sites"}, {picture.cells, "cells"}};
@@ -171,7 +171,12 @@ int render_scene(const RenderCommand& command, const FilmOptions& film_options) 
     draw_frames(film, stage, picture.frames);
     if (recorder) recorder->finish();
     write_graph(command, *renderer);
-    std::printf("%zu objects: %s on %s\n", scene.objects.size(), film.summary().c_str(), device->info().name.c_str());
+    std::string done = film.summary();
+    if (const ExportSettings& files = command.pieces.files; !files.output.empty()) {
+        const size_t pieces = write_scene_state(files, pieces_as(command.pieces.as), scene, stage.simulation());
+        done += (done.empty() ? "" : ", and ") + written_text(pieces, {files.output});
+    }
+    std::printf("%zu objects: %s on %s\n", scene.objects.size(), done.c_str(), device->info().name.c_str());
     check_validation(*device);
     return exit_success;
 }

@@ -44,7 +44,7 @@ struct Run {
 Run load_run(const ReplayCommand& command, const ReplayLog& log) {
     Run run{command, log};
     if (run.of_scene()) {
-        refuse_export_of_scene(log.recipe, command.pieces.files);
+        check_export_of_scene(log.recipe, command.pieces.files);
         run.scene = load_scene(log.recipe);
         return run;
     }
@@ -59,6 +59,11 @@ Run load_run(const ReplayCommand& command, const ReplayLog& log) {
 void write_pieces_of(const Run& run, const Player& player, const Simulation& simulation) {
     const StateExport& pieces = run.command.pieces;
     if (pieces.files.output.empty() || player.difference()) return;
+    if (run.of_scene()) {
+        const size_t written = write_scene_state(pieces.files, pieces_as(pieces.as), run.scene, simulation);
+        std::printf("%s: %s\n", run.name().c_str(), written_text(written, {pieces.files.output}).c_str());
+        return;
+    }
     const Snapshot state = snapshot(simulation, run.fragments);
     const auto files = write_state(pieces.files, pieces_as(pieces.as), run.log.recipe, run.source, state);
     std::printf("%s: %s\n", run.source.name.c_str(), written_text(state.pieces.size(), files).c_str());

@@ -255,6 +255,11 @@ std::vector<const physics::Structure*> Simulation::structures() const {
     return structures_of(*this);
 }
 
+std::pair<const physics::Structure*, uint32_t> Simulation::bonds_of(uint32_t piece) const {
+    const physics::Structure* const structure = structure_of(*this, piece);
+    return {structure, structure ? index_in_structure(piece) : 0};
+}
+
 const physics::Structure* Simulation::structure() const {
     const std::vector<const physics::Structure*> all = structures();
     return all.empty() ? nullptr : all.front();

@@ -132,6 +132,8 @@ class Simulation {
     // The bonds of the first object that has some; null without.
     [[nodiscard]] const physics::Structure* structure() const;
     [[nodiscard]] std::vector<const physics::Structure*> structures() const; // of all objects that have bonds
+    // The bonds of a piece, and its index in them. Null, and 0, for a piece without.
+    [[nodiscard]] std::pair<const physics::Structure*, uint32_t> bonds_of(uint32_t piece) const;
     [[nodiscard]] const physics::Destruction* destruction() const { return destruction_ ? &*destruction_ : nullptr; }
     [[nodiscard]] const physics::MaterialPreset* material() const { return material_; } // of the constructor
 

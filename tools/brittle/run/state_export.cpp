@@ -38,19 +38,19 @@ std::vector<Snapshot::Piece> pieces_there(const Simulation& simulation, size_t w
     return pieces;
 }
 
-// Returns the number of a piece in the simulation's structure, or nothing.
-std::optional<uint32_t> bonded_piece(const Simulation& simulation, uint32_t number) {
-    if (!simulation.structure()) return std::nullopt;
-    return simulation.destruction() ? simulation.destruction()->bonded({number}) : number;
-}
-
+// Precondition: the pieces are of one object.
 std::vector<fracture::Bond> bonds_that_hold(const Simulation& simulation, const std::vector<Snapshot::Piece>& pieces) {
     std::vector<fracture::Bond> bonds;
-    if (!simulation.structure()) return bonds;
+    const physics::Structure* structure = nullptr;
     std::map<uint32_t, uint32_t> at; // index into `pieces` by number in the structure
-    for (uint32_t k = 0; k < pieces.size(); ++k)
-        if (const auto piece = bonded_piece(simulation, pieces[k].number)) at[*piece] = k;
-    for (const physics::BondGraph::Bond& bond : simulation.structure()->graph().bonds()) {
+    for (uint32_t k = 0; k < pieces.size(); ++k) {
+        const auto [own, number] = simulation.bonds_of(pieces[k].number);
+        if (!own) continue;
+        structure = own;
+        at[number] = k;
+    }
+    if (!structure) return bonds;
+    for (const physics::BondGraph::Bond& bond : structure->graph().bonds()) {
         const auto a = at.find(bond.a), b = at.find(bond.b);
         if (bond.live() && a != at.end() && b != at.end())
             bonds.push_back({a->second, b->second, bond.area, bond.centroid, bond.normal});
@@ -155,7 +155,8 @@ std::vector<physics::HullPlane> in_file(std::span<const physics::HullPlane> plan
 std::vector<std::vector<fracture::TriangleMesh>> hulls_of(const Snapshot& state, const fracture::Fragments& fragments,
                                                           const StagePlacement& placement,
                                                           const std::function<bool()>& cancelled) {
-    const std::vector<std::vector<physics::HullPlane>> planes = physics::contact_planes(*state.fragments);
+    std::vector<std::vector<physics::HullPlane>> planes;
+    if (state.fragments) planes = physics::contact_planes(*state.fragments);
     std::vector<std::vector<fracture::TriangleMesh>> hulls;
     for (size_t p = 0; p < state.pieces.size(); ++p) {
         stop_if(cancelled);
@@ -174,6 +175,12 @@ std::vector<std::vector<fracture::TriangleMesh>> hulls_of(const Snapshot& state,
         }
     }
     return hulls;
+}
+
+// The pose of a piece that lies where it was cut.
+fracture::PiecePose made_pose(const physics::Pose& placement, const glm::dvec3& centre_of_mass) {
+    const glm::dquat turn = glm::normalize(glm::dquat(placement.orientation));
+    return {glm::dvec3(placement.position) + turn * centre_of_mass, turn};
 }
 
 // Checks that the source has all triangles that the exterior triangles of the pieces refer to for their looks.
@@ -222,9 +229,46 @@ std::vector<std::filesystem::path> write_state(const ExportSettings& settings, P
     return must(fracture::export_pieces(settings.output, live.fragments, certificate, options));
 }
 
-void refuse_export_of_scene(const FractureOptions& recipe, const ExportSettings& settings) {
-    if (is_scene(recipe) && !settings.output.empty())
-        throw Failure(exit_usage, "--export: the pieces of a scene cannot be exported; export its objects one by one");
+std::vector<Snapshot> object_snapshots(const Simulation& simulation) {
+    std::vector<Snapshot> states(simulation.members().size());
+    for (Snapshot::Piece& piece : pieces_there(simulation, 0))
+        states[simulation.member_of(piece.number)].pieces.push_back(std::move(piece));
+    for (Snapshot& state : states) state.bonds = bonds_that_hold(simulation, state.pieces);
+    return states;
+}
+
+size_t write_scene_state(const ExportSettings& settings, PiecesAs as, const LoadedScene& scene,
+                         const Simulation& simulation) {
+    const std::vector<Snapshot> states = object_snapshots(simulation);
+    fracture::ObjectExport file;
+    size_t pieces = 0;
+    for (size_t k = 0; k < states.size(); ++k) {
+        const LoadedObject& object = scene.objects[k];
+        LivePieces live = live_pieces(states[k], {});
+        if (as == PiecesAs::made)
+            for (size_t p = 0; p < live.poses.size(); ++p)
+                live.poses[p] = made_pose(object.placement, live.fragments.pieces[p].mass.centre_of_mass);
+        fracture::ExportOptions options = export_options(settings, object.object.recipe, *object.input);
+        options.name = object.object.name;
+        options.uv_by_plane = true;
+        options.poses = live.poses;
+        std::vector<std::vector<fracture::TriangleMesh>> hulls;
+        if (wants_hulls(settings) && !object.object.fixed) {
+            hulls = hulls_of(states[k], live.fragments, {}, {});
+            options.hulls = hulls;
+        }
+        must(file.add(live.fragments, options));
+        pieces += live.poses.size();
+    }
+    must(file.write(settings.output));
+    return pieces;
+}
+
+void check_export_of_scene(const FractureOptions& recipe, const ExportSettings& settings) {
+    if (!is_scene(recipe) || settings.output.empty()) return;
+    if (!settings.output.ends_with(".glb"))
+        throw Failure(exit_usage, "--export: a scene is written as one .glb file, not as " + settings.output);
+    if (settings.per_piece) throw Failure(exit_usage, "--per-piece: a scene is written as one file");
 }
 
 std::string written_text(size_t pieces, const std::vector<std::filesystem::path>& files) {

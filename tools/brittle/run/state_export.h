@@ -4,7 +4,8 @@
 //     Snapshot state = snapshot(simulation, fragments);             // between two steps; microseconds per piece
 //     write_state({.output = "rubble.glb"}, PiecesAs::they_lie, recipe, source, state);   // on any thread
 //
-// Files have the coordinates of the mesh's file, by the inverse of placement_on_stage(); metres.
+// Files have the coordinates of the mesh's file, by the inverse of placement_on_stage(); metres. The file of a scene has
+// those of the world.
 #pragma once
 
 #include <cstdint>
@@ -18,6 +19,7 @@
 #include "physics/cutting/solid_piece.h"
 #include "physics/world/world.h"
 #include "tools/brittle/recipe/piece_export.h"
+#include "tools/brittle/run/scene.h"
 #include "tools/brittle/run/simulation.h"
 #include "tools/brittle/run/stage_placement.h"
 
@@ -39,8 +41,9 @@ struct Snapshot {
         physics::SolidPtr solid;
         physics::Pose pose; // pose of the centre of mass after the last step
     };
-    std::shared_ptr<const fracture::Fragments> fragments; // fragments that the simulation was started with
-    std::vector<Piece> pieces;                            // ascending by number, without removed pieces
+    // Fragments that the simulation was started with; null in a scene, where every piece has a solid.
+    std::shared_ptr<const fracture::Fragments> fragments;
+    std::vector<Piece> pieces;         // ascending by number, without removed pieces
     std::vector<fracture::Bond> bonds; // unbroken bonds, in the coordinates of the fragments; a and b index `pieces`
 };
 
@@ -61,8 +64,17 @@ std::vector<std::filesystem::path> write_state(const ExportSettings& settings, P
                                                const FractureOptions& recipe, const Input& source,
                                                const Snapshot& state, const std::function<bool()>& cancelled = {});
 
-// Throws a Failure with exit_usage for a scene, whose pieces cannot be exported yet.
-void refuse_export_of_scene(const FractureOptions& recipe, const ExportSettings& settings);
+// The snapshot of each object of a scene, in their order. Piece numbers are those of the simulation; solids and bonds
+// have the object's coordinates, poses the world's. An object of which nothing is left has no pieces.
+[[nodiscard]] std::vector<Snapshot> object_snapshots(const Simulation& simulation);
+
+// Writes the pieces of a scene to a GLB file (fracture::ObjectExport): each object by its name and material, fixed ones
+// without hulls. Returns the number of pieces. Throws a Failure.
+size_t write_scene_state(const ExportSettings& settings, PiecesAs as, const LoadedScene& scene,
+                         const Simulation& simulation);
+
+// Throws a Failure with exit_usage where a scene is to be exported to another format than GLB, or piece by piece.
+void check_export_of_scene(const FractureOptions& recipe, const ExportSettings& settings);
 
 // Returns a text for people: "57 pieces in rubble.glb", "... and 56 more".
 [[nodiscard]] std::string written_text(size_t pieces, const std::vector<std::filesystem::path>& files);

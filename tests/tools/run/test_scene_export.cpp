@@ -1,0 +1,209 @@
+// Export of a scene's pieces: one GLB file with a root node for each object.
+#include <cstring>
+#include <map>
+#include <string>
+
+#include <doctest/doctest.h>
+#include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
+#include <nlohmann/json.hpp>
+
+#include "fracture/io/import.h"
+#include "fracture/mesh/mass_properties.h"
+#include "fracture/mesh/topology.h"
+#include "tests/tools/support.h"
+#include "tools/brittle/base/failure.h"
+#include "tools/brittle/recipe/recipe.h"
+#include "tools/brittle/run/scene.h"
+#include "tools/brittle/run/state_export.h"
+
+using namespace brittle;
+using namespace brittle::tools;
+using namespace brittle::tools::test;
+using nlohmann::json;
+
+namespace {
+
+struct Run {
+    LoadedScene scene;
+    Simulation simulation;
+
+    Run(const Folder& folder, const std::string& objects) {
+        FractureOptions options;
+        read_recipe(folder.write("scene.json", R"({"brittle": 2, "objects": [)" + objects + "]}"), options);
+        scene = load_scene(options);
+        simulation.start(prepare_scene(scene), scene.world);
+    }
+    void steps(int count) {
+        for (int k = 0; k < count; ++k) simulation.step();
+    }
+    size_t write(const std::string& file, PiecesAs as, ExportSettings settings = {}) const {
+        settings.output = file;
+        return write_scene_state(settings, as, scene, simulation);
+    }
+};
+
+// A floor that is open, a vase, a bonded wall and a turned, mirrored crate on it.
+const std::string courtyard = R"(
+    {"name": "floor", "mesh": "FLOOR", "fixed": true},
+    {"name": "vase", "mesh": "shape:vase", "material": "ceramic", "translation": [0, 0.01, 0], "min_size": 0.02},
+    {"name": "wall", "mesh": "shape:cube", "scale": [0.5, 0.5, 0.1], "translation": [2, 0.51, 0], "material": "stone",
+     "bonded": true, "pattern": {"type": "uniform", "count": 12}},
+    {"name": "crate", "mesh": "shape:cube", "scale": [0.3, -0.2, 0.3], "translation": [-2, 0.21, 0],
+     "rotation": [0, 30, 0], "material": "stone"})";
+
+std::string courtyard_in(const Folder& folder) {
+    const std::string floor =
+        folder.write("floor.obj", "v -4 0 -4\nv 4 0 -4\nv 4 0 4\nv -4 0 4\nf 1 3 2\nf 1 4 3\n").string();
+    std::string objects = courtyard;
+    return objects.replace(objects.find("FLOOR"), 5, floor);
+}
+
+json document_of(const std::string& glb) {
+    const std::string bytes = read_text(glb);
+    uint32_t size = 0;
+    std::memcpy(&size, bytes.data() + 12, 4);
+    return json::parse(bytes.substr(20, size));
+}
+
+// The object of each piece by the name of its node.
+std::map<std::string, std::string> objects_of(const json& document) {
+    std::map<std::string, std::string> objects;
+    for (const json& root : document["scenes"][0]["nodes"]) {
+        const json& node = document["nodes"][root.get<size_t>()];
+        CHECK(node["extras"]["brittle"]["object"] == node["name"]);
+        if (!node.contains("children")) continue;
+        for (const json& child : node["children"])
+            objects[document["nodes"][child.get<size_t>()]["name"]] = node["name"];
+    }
+    return objects;
+}
+
+double volume_of(const fracture::TriangleMesh& mesh) {
+    return fracture::signed_volume(mesh.positions, mesh.triangles);
+}
+
+} // namespace
+
+TEST_CASE("scene export: a scene from which nothing can be written is refused, and leaves the old file") {
+    const Folder folder;
+    Run run(folder, R"({"mesh": "shape:cube"})");
+    folder.write("old.glb", "old");
+    CHECK_THROWS_AS(run.write(folder / "missing/x.glb", PiecesAs::made), Failure);
+    ExportSettings textured;
+    textured.interior_texture = folder / "none.png";
+    CHECK_THROWS_AS(run.write(folder / "old.glb", PiecesAs::made, textured), Failure);
+    CHECK(read_text(folder / "old.glb") == "old");
+    fracture::ObjectExport none;
+    CHECK(none.write(folder / "old.glb").error().status == fracture::Status::invalid_setting);
+    CHECK(read_text(folder / "old.glb") == "old");
+}
+
+TEST_CASE("scene export: before anything moves, the pieces of each object make up its mesh, as made and as they lie") {
+    const Folder folder;
+    const Run run(folder, courtyard_in(folder));
+    for (const PiecesAs as : {PiecesAs::made, PiecesAs::they_lie}) {
+        const std::string file = folder / "scene.glb";
+        CHECK(run.write(file, as) == 15);
+        const json document = document_of(file);
+        const auto objects = objects_of(document);
+        CHECK(document["scenes"][0]["nodes"].size() == 4);
+        CHECK(document["materials"].size() == 6); // crate and wall share theirs
+        const fracture::MeshScene written = must(fracture::import_scene(file));
+        REQUIRE(written.nodes.size() == 15);
+        std::map<std::string, double> volumes;
+        std::map<std::string, fracture::Box> boxes;
+        for (const fracture::SceneNode& node : written.nodes) {
+            const std::string& object = objects.at(node.name);
+            const fracture::TriangleMesh& mesh = written.meshes[node.mesh].mesh;
+            if (object != "floor") CHECK(fracture::check_topology(mesh.positions.size(), mesh.triangles).closed());
+            volumes[object] += volume_of(mesh);
+            for (const glm::dvec3& p : mesh.positions) {
+                const glm::dvec3 at(node.world * glm::dvec4(p, 1.0));
+                fracture::Box& box = boxes.try_emplace(object, fracture::Box{at, at}).first->second;
+                box = {glm::min(box.min, at), glm::max(box.max, at)};
+            }
+        }
+        for (const LoadedObject& object : run.scene.objects) {
+            const std::string& name = object.object.name;
+            CAPTURE(name);
+            CHECK(volumes[name] == doctest::Approx(volume_of(object.input->model.mesh)).epsilon(1e-5));
+            CHECK(glm::length(boxes[name].min - object.box.min) < 1e-5);
+            CHECK(glm::length(boxes[name].max - object.box.max) < 1e-5);
+        }
+    }
+}
+
+TEST_CASE("scene export: after blows each piece lies where its body is, with the bonds that hold, and as hulls") {
+    const Folder folder;
+    Run run(folder, courtyard_in(folder));
+    Simulation& simulation = run.simulation;
+    simulation.apply(Shoot{{0.0, 0.2, 2.0}, {0.0, 0.0, -25.0}, 0.05, 7800.0});
+    simulation.apply(Shoot{{2.0, 0.7, 2.0}, {0.0, 0.0, -25.0}, 0.1, 7800.0});
+    run.steps(90);
+    ExportSettings with_hulls;
+    with_hulls.hulls = "godot";
+    const std::string file = folder / "scene.glb";
+    const size_t pieces = run.write(file, PiecesAs::they_lie, with_hulls);
+    CHECK(pieces == simulation.destruction()->pieces().size());
+    const json document = document_of(file);
+    std::map<std::string, size_t> counts, bonds, hulls;
+    for (const auto& [piece, object] : objects_of(document)) ++counts[object];
+    CHECK(counts["vase"] > 3);
+    CHECK(counts["wall"] >= 12);
+    CHECK(counts["floor"] == 1);
+    const auto objects = objects_of(document);
+    for (const json& node : document["nodes"]) {
+        const std::string name = node["name"];
+        if (!objects.contains(name)) continue;
+        const json& extras = node["extras"]["brittle"];
+        const uint32_t number = extras["site"];
+        CHECK(simulation.members()[simulation.member_of(number)].name == objects.at(name));
+        const physics::Pose pose = simulation.pose_of(number);
+        const std::vector<double> at = node["translation"];
+        CHECK(glm::length(glm::dvec3(at[0], at[1], at[2]) - glm::dvec3(pose.position)) < 1e-6);
+        if (extras.contains("bonds")) bonds[objects.at(name)] += extras["bonds"].size();
+        if (node.contains("children")) hulls[objects.at(name)] += node["children"].size();
+    }
+    REQUIRE(simulation.structures().size() == 1);
+    size_t live = 0;
+    for (const physics::BondGraph::Bond& bond : simulation.structures()[0]->graph().bonds())
+        live += bond.live() ? 1 : 0;
+    CHECK(bonds["wall"] == live);
+    CHECK(live > 0);
+    CHECK(bonds.size() == 1);
+    CHECK(hulls["vase"] >= counts["vase"]);
+    CHECK(hulls["floor"] == 0);
+}
+
+TEST_CASE("scene export: the rubble of a scene is a level again") {
+    const Folder folder;
+    Run run(folder, courtyard_in(folder));
+    run.simulation.apply(Shoot{{0.0, 0.2, 2.0}, {0.0, 0.0, -25.0}, 0.05, 7800.0});
+    run.steps(60);
+    const size_t pieces = run.write(folder / "rubble.glb", PiecesAs::they_lie);
+    FractureOptions options;
+    read_recipe(folder.write("again.json", R"({"brittle": 2, "level": {"mesh": "rubble.glb", "rules": [
+        {"node": "floor*", "then": {"fixed": true}}, {"then": {"material": "stone", "breakable": false}}]}})"),
+                options);
+    LoadedScene again = load_scene(options);
+    CHECK(again.notes.empty());
+    CHECK(again.objects.size() == pieces);
+    for (const LoadedObject& object : again.objects) CHECK(object.object.fixed == (object.object.name == "floor_000"));
+}
+
+TEST_CASE("scene export: render and replay write the same pieces") {
+    const Folder folder;
+    folder.write("scene.json", R"({"brittle": 2, "objects": [)" + courtyard_in(folder) + R"(], "world": {"shots": [
+        {"time": 0.1, "from": [0, 0.2, 2], "velocity": [0, 0, -25], "radius": 0.05}]}, "picture": {"frames": 40}})");
+    const Outcome rendered = run_brittle(folder, "render " + (folder / "scene.json") + " --size 32x32 --record "
+                                                     + (folder / "run.log") + " --export " + (folder / "a.glb"));
+    CAPTURE(rendered.output);
+    CHECK(rendered.exit_code == exit_success);
+    CHECK(rendered.has(" pieces in "));
+    const Outcome replayed = run_brittle(folder, "replay " + (folder / "run.log") + " --export " + (folder / "b.glb"));
+    CAPTURE(replayed.output);
+    CHECK(replayed.exit_code == exit_success);
+    CHECK(read_text(folder / "a.glb").size() > 10'000);
+    CHECK((read_text(folder / "a.glb") == read_text(folder / "b.glb")));
+}
