@@ -87,12 +87,9 @@ struct SceneObject {
     bool shattered = false; // cut by its pattern at the start, into loose pieces
     // Without objects. Of its world, the members that concern one object count; where it is neither breakable nor
     // bonded nor shattered, the object is rigid.
-    FractureOptions recipe = [] {
-        FractureOptions options;
-        options.world.breakable = true;
-        options.world.height = 0.0;
-        return options;
-    }();
+    FractureOptions recipe;
+
+    SceneObject();
 };
 
 // The first rule of a level whose conditions all hold for a node makes the node an object.
@@ -103,6 +100,11 @@ struct LevelRule {
     std::vector<std::pair<std::string, std::string>> extras;
     SceneObject then; // without name, mesh, node and placement
 };
+
+inline SceneObject::SceneObject() {
+    recipe.world.breakable = true;
+    recipe.world.height = 0.0;
+}
 
 [[nodiscard]] inline bool is_scene(const FractureOptions& options) {
     return !options.objects.empty() || !options.level.mesh.empty();
