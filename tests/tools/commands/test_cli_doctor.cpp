@@ -253,6 +253,9 @@ TEST_CASE("inspect lists the nodes of a glTF file, and the objects of a scene") 
     const Outcome faulty = inspect_with(R"({"node": "Rug", "then": {}}, )");
     CHECK(faulty.exit_code == exit_mesh);
     CHECK(faulty.has("Rug stays whole and fixed"));
+    const Outcome idle = inspect_with(R"({"node": "Lamp", "then": {}}, )");
+    CHECK(idle.exit_code == exit_success);
+    CHECK(idle.has("/level/rules/0 decides for no node"));
     folder.write("one.json", R"({"brittle": 1, "mesh": "shape:cube"})");
     CHECK(run_brittle(folder, "inspect " + (folder / "one.json")).has("inspect shape:cube instead"));
     CHECK(run_brittle(folder, "inspect --marks x.glb " + scene).exit_code == exit_usage);

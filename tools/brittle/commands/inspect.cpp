@@ -145,9 +145,11 @@ int inspect_scene(const InspectCommand& command) {
     else
         std::printf("%s: %zu objects\n%s", command.mesh.c_str(), objects.size(), describe(objects, true).c_str());
     for (const std::string& note : scene.notes) std::fprintf(stderr, "brittle: %s\n", note.c_str());
-    const bool all_break = std::ranges::all_of(
-        objects, [](const InspectedObject& object) { return object.kind == "fixed" || object.refusal.empty(); });
-    return all_break && scene.notes.empty() ? exit_success : exit_mesh;
+    const bool breaks_as_told = std::ranges::none_of(scene.objects, &LoadedObject::refused)
+                                && std::ranges::all_of(objects, [](const InspectedObject& object) {
+                                       return object.kind == "fixed" || object.refusal.empty();
+                                   });
+    return breaks_as_told ? exit_success : exit_mesh;
 }
 
 } // namespace

@@ -212,7 +212,7 @@ LoadedScene load_scene(const FractureOptions& scene) {
     std::map<std::string, LoadedMesh> meshes;
     for (const SceneObject& object : objects_of(scene, files, loaded.notes)) {
         throw_if_interrupted();
-        LoadedObject& made = loaded.objects.emplace_back(LoadedObject{object, nullptr, {}, {}});
+        LoadedObject& made = loaded.objects.emplace_back(LoadedObject{object, nullptr, {}, {}, false});
         made.placement = {glm::vec3(object.placement.translation), glm::quat(rotation_of(object.placement))};
         try {
             LoadedMesh& mesh = meshes[mesh_key(object, files)];
@@ -220,6 +220,7 @@ LoadedScene load_scene(const FractureOptions& scene) {
             if (!mesh.fault.empty()) {
                 loaded.notes.push_back(note_of(object, mesh.fault));
                 fix(made.object);
+                made.refused = true;
             }
             made.input = mesh.input;
             made.box = box_in_world(mesh.input->model.mesh, made.placement);

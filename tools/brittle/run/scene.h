@@ -29,7 +29,8 @@ struct LoadedObject {
     SceneObject object;                 // as in the recipe; fixed also where its mesh cannot be broken
     std::shared_ptr<const Input> input; // in metres of the object; objects may share it
     physics::Pose placement;
-    fracture::Box box; // in the world
+    fracture::Box box;    // in the world
+    bool refused = false; // it should break, but its mesh cannot be broken
 };
 
 struct LoadedScene {
