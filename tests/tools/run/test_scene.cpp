@@ -170,8 +170,7 @@ TEST_CASE("scene: notes, failures, progress and pieces are the same whatever num
 TEST_CASE("scene: commands for one mesh refuse a scene, and render refuses what a scene cannot show") {
     const Folder folder;
     const std::string scene = BRITTLE_ASSETS "/worlds/staircase.json";
-    for (const std::string& command :
-         {"fracture -o " + folder / "x.glb", std::string("profile"), std::string("demo")}) {
+    for (const std::string& command : {"fracture -o " + folder / "x.glb", std::string("profile")}) {
         const Outcome outcome = run_brittle(folder, command + " " + scene);
         CAPTURE(command);
         CHECK(outcome.exit_code == exit_usage);

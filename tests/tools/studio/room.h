@@ -19,13 +19,11 @@ inline constexpr double frame = 1.0 / 60.0; // s
 // `device` is null where there is no Vulkan device; the test is skipped then.
 class Room {
   public:
-    explicit Room(const std::string& mesh, uint32_t sites = 8) {
+    explicit Room(const std::string& mesh, uint32_t sites = 8) : Room(options_of(mesh, sites)) {}
+    explicit Room(const FractureOptions& options) {
         device = engine::test::make_device();
         if (!device) return;
         renderer = must(engine::Renderer::create(*device));
-        FractureOptions options;
-        options.mesh = mesh;
-        options.pattern.count = sites;
         session = std::make_unique<Session>(options, Object::load(options), *renderer, nullptr);
     }
     // Runs frames until the condition holds, for half a minute at most.
@@ -49,6 +47,14 @@ class Room {
     std::unique_ptr<engine::Device> device;
     std::unique_ptr<engine::Renderer> renderer;
     std::unique_ptr<Session> session;
+
+  private:
+    static FractureOptions options_of(const std::string& mesh, uint32_t sites) {
+        FractureOptions options;
+        options.mesh = mesh;
+        options.pattern.count = sites;
+        return options;
+    }
 };
 
 } // namespace brittle::tools::test

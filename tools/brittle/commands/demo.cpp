@@ -14,15 +14,15 @@ namespace brittle::tools {
 
 int run_demo(const DemoCommand& command) {
     catch_interrupts();
-    refuse_scene(command.fracture);
     const auto window =
         must(engine::Window::create({.title = "Brittle", .width = command.view.width, .height = command.view.height}));
     const auto object = Object::load(command.fracture);
     if (!command.fracture.save_recipe.empty()) write_recipe(command.fracture.save_recipe, command.fracture);
     const std::unique_ptr<engine::Device> device = open_device(command.view);
     {
-        const ClassifyChoice choice = choose_classifier(classify_path(command.classify), *device,
-                                                        object->with_sites(command.fracture), command.fracture);
+        const ClassifyPath path = object->is_scene() ? ClassifyPath::cpu : classify_path(command.classify);
+        const ClassifyChoice choice =
+            choose_classifier(path, *device, object->with_sites(command.fracture), command.fracture);
         std::fprintf(stderr, "brittle: classification on the %s\n", choice.why.c_str());
         const auto renderer = must(engine::Renderer::create(*device, renderer_settings(command.view)));
         const float scale = command.ui_scale > 0.0 ? static_cast<float>(command.ui_scale) : window->content_scale();

@@ -90,11 +90,20 @@ void prepare(PreparedObject& object, const physics::PayloadMaker& payload, uint3
         object.bodies.hulls = physics::collision_hulls(*object.fragments, {}, threads);
         return;
     }
-    prepare_payloads(object, payload, threads);
+    object.bodies.payloads = physics::payloads_of(object.bodies.solids, payload, threads);
 }
 
-void prepare_payloads(PreparedObject& object, const physics::PayloadMaker& payload, uint32_t threads) {
-    object.bodies.payloads = physics::payloads_of(object.bodies.solids, payload, threads);
+PreparedObject copy_of(const PreparedObject& object, const physics::PayloadMaker& payload, uint32_t threads) {
+    PreparedObject copy{.name = object.name,
+                        .fragments = object.fragments,
+                        .surface = object.surface,
+                        .world = object.world,
+                        .material = object.material,
+                        .rigid = object.rigid,
+                        .placement = object.placement};
+    copy.bodies.solids = object.bodies.solids;
+    copy.bodies.payloads = physics::payloads_of(copy.bodies.solids, payload, threads);
+    return copy;
 }
 
 uint64_t pieces_hash(std::span<const PreparedObject> objects) {

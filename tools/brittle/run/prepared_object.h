@@ -4,8 +4,7 @@
 //     prepare(vase);                                       // on any thread: most of the cost of a start
 //     simulation.start({std::move(vase), ...}, world);
 //
-// Objects that differ in their place alone share fragments and solids: copy one that is prepared, and call
-// prepare_payloads() on the copy.
+// Objects that differ in their place alone share fragments and solids: copy_of() one that is prepared.
 #pragma once
 
 #include <cstdint>
@@ -49,8 +48,9 @@ struct PreparedObject {
 
 // Makes the bodies. `payload` must be the simulation's. threads: 0 is one a core. Throws a Failure.
 void prepare(PreparedObject& object, const physics::PayloadMaker& payload = {}, uint32_t threads = 0);
-// Makes the payloads of the object's solids.
-void prepare_payloads(PreparedObject& object, const physics::PayloadMaker& payload, uint32_t threads = 0);
+// Returns an object with the fragments and solids of one that is breakable, rigid or fixed, and with payloads of its own.
+[[nodiscard]] PreparedObject copy_of(const PreparedObject& object, const physics::PayloadMaker& payload,
+                                     uint32_t threads = 0);
 
 // Hash of the pieces of all objects, and of the surfaces of fixed ones: fracture::hash() for one object.
 [[nodiscard]] uint64_t pieces_hash(std::span<const PreparedObject> objects);

@@ -279,16 +279,10 @@ void copy_prepared(const PreparedObject& like, LoadedObject& loaded, const physi
         work.note = note_of(loaded.object, "as " + like.name);
         fix(loaded.object);
     }
-    PreparedObject& copy = work.made.emplace(PreparedObject{.name = loaded.object.name,
-                                                            .fragments = like.fragments,
-                                                            .surface = like.surface,
-                                                            .world = like.world,
-                                                            .material = like.material,
-                                                            .rigid = like.rigid,
-                                                            .placement = loaded.placement});
+    PreparedObject& copy = work.made.emplace(copy_of(like, payload, 1));
+    copy.name = loaded.object.name;
+    copy.placement = loaded.placement;
     copy.world.seed = loaded.object.recipe.pattern.seed;
-    copy.bodies.solids = like.bodies.solids;
-    prepare_payloads(copy, payload, 1);
 }
 
 std::vector<Work> work_of(const LoadedScene& scene) {

@@ -131,6 +131,16 @@ struct Applier {
     }
     void operator()(const AddStrike& edit) const { recipe.strikes.push_back(edit.strike); }
     void operator()(const ClearStrikes&) const { recipe.strikes.clear(); }
+    void operator()(const SetObjects& edit) const {
+        if (edit.objects.empty()) return;
+        recipe.objects = edit.objects;
+        std::set<std::string> names;
+        for (SceneObject& object : recipe.objects) {
+            const std::string name = object.name;
+            for (int number = 2; !names.insert(object.name).second; ++number)
+                object.name = name + " " + std::to_string(number);
+        }
+    }
     void operator()(const SetRecipe& edit) const { recipe = edit.recipe; }
 };
 
@@ -141,7 +151,7 @@ std::string_view name_of(const Edit& edit) {
         "open a mesh",          "unite parts",   "change the material", "change the pattern", "change the roughness",
         "change the world",     "set the sites", "place a site",        "move sites",         "delete sites",
         "set weights of sites", "group sites",   "duplicate sites",     "mirror sites",       "anchor",
-        "remove anchors",       "strike",        "remove strikes",      "open a recipe"};
+        "remove anchors",       "strike",        "remove strikes",      "change objects",     "open a recipe"};
     return names[edit.index()];
 }
 

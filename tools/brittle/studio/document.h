@@ -89,6 +89,11 @@ struct AddStrike {
     Strike strike;
 };
 struct ClearStrikes {};
+// Replaces the objects of a scene: any change of them. An empty list is no change, because a scene needs an object; a
+// name that an earlier object has gets a number.
+struct SetObjects {
+    std::vector<SceneObject> objects;
+};
 // Replaces the whole recipe, as after reading a file.
 struct SetRecipe {
     FractureOptions recipe;
@@ -96,7 +101,7 @@ struct SetRecipe {
 
 using Edit = std::variant<SetMesh, SetUnite, SetMaterial, SetPattern, SetRoughness, SetWorld, SetSites, AddSite,
                           MoveSites, RemoveSites, SetSiteWeight, SetSiteGroup, DuplicateSites, MirrorSites, AddAnchor,
-                          RemoveAnchors, AddStrike, ClearStrikes, SetRecipe>;
+                          RemoveAnchors, AddStrike, ClearStrikes, SetObjects, SetRecipe>;
 
 // Returns the name of an edit for menus and messages, e.g. "move sites".
 [[nodiscard]] std::string_view name_of(const Edit& edit);

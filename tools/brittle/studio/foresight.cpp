@@ -71,10 +71,7 @@ Foreseen Foresight::of_whole(const std::shared_ptr<const Object>& object, const 
 
 std::optional<Hammer> hammer_at(const Simulation& simulation, const fracture::Fragments& fragments,
                                 const AimedBlow& blow, uint32_t max_pieces) {
-    std::vector<engine::BodyPose> poses(simulation.destruction()->slot_count());
-    simulation.visit_poses(1.0f, 0, [&](uint32_t slot, const physics::Pose& pose) {
-        poses[slot] = {.rotation = pose.orientation, .position = pose.position};
-    });
+    const std::vector<engine::BodyPose> poses = poses_by_slot(simulation);
     const PieceView pieces{simulation, fragments, {}, poses};
     const auto hit = pieces.first(blow.at - blow.radius * blow.direction, blow.direction);
     if (!hit) return std::nullopt;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
 
 #include "fracture/mesh/topology.h"
 #include "tools/brittle/base/failure.h"
@@ -24,10 +25,31 @@ std::vector<uint32_t> all_triangles(const fracture::TriangleMesh& mesh) {
     return all;
 }
 
+// The meshes of all objects, in the world.
+Input joined(const LoadedScene& scene) {
+    Input all;
+    all.name = "scene";
+    all.units = LengthUnit::metre;
+    fracture::TriangleMesh& mesh = all.model.mesh;
+    for (const LoadedObject& object : scene.objects) {
+        const auto first = static_cast<uint32_t>(mesh.positions.size());
+        for (const glm::dvec3& p : object.input->model.mesh.positions)
+            mesh.positions.push_back(glm::dvec3(object.placement.position)
+                                     + glm::dquat(object.placement.orientation) * p);
+        for (const fracture::Triangle& t : object.input->model.mesh.triangles) mesh.triangles.push_back(t + first);
+    }
+    return all;
+}
+
 } // namespace
 
-std::shared_ptr<const Object> Object::load(const FractureOptions& options) {
-    refuse_scene(options);
+std::shared_ptr<const Object> Object::load(const FractureOptions& options,
+                                           const std::function<void(double)>& progress) {
+    if (tools::is_scene(options)) {
+        LoadedScene scene = load_scene(options);
+        std::vector<PreparedObject> parts = prepare_scene(scene, {}, progress);
+        return std::shared_ptr<const Object>(new Object(std::move(scene), std::move(parts)));
+    }
     Input input = load_mesh_only(options.mesh);
     input.units = options.units;
     prepare_mesh(options, input);
@@ -44,7 +66,13 @@ std::shared_ptr<const Object> Object::placed_for(const WorldOptions& world) cons
 Object::Object(Input file, std::string overlap, const WorldOptions& world)
     : file_(std::move(file)), stage_(placed_on_stage(file_, world)), overlap_(std::move(overlap)), world_(world),
       placement_(placement_on_stage(file_.model.mesh, world, file_.units)),
-      tree_(stage_.model.mesh, all_triangles(stage_.model.mesh)), batch_(batch_of(stage_.model.mesh)) {}
+      tree_(stage_.model.mesh, all_triangles(stage_.model.mesh)), batch_(batch_of(stage_.model.mesh)),
+      home_(fracture::bounds(stage_.model.mesh)) {}
+
+Object::Object(LoadedScene scene, std::vector<PreparedObject> parts)
+    : file_(joined(scene)), stage_(file_), world_(scene.world),
+      tree_(stage_.model.mesh, all_triangles(stage_.model.mesh)), home_(scene.home), scene_(std::move(scene)),
+      parts_(std::move(parts)) {}
 
 SiteSet Object::sites(const FractureOptions& options) const {
     SiteSet set = sites_for(options, file_.model.mesh);

@@ -1,14 +1,18 @@
-// The mesh of the studio, as in its file and as on the stage. Immutable, so that the window and its workers can share
-// it.
+// What the studio shows: a mesh, as in its file and as on the stage, or a scene of several objects, ready to stand.
+// Immutable, so that the window and its workers can share it.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "engine/render/piece_batch.h"
 #include "fracture/mesh/triangle_tree.h"
 #include "tools/brittle/recipe/input.h"
+#include "tools/brittle/run/scene.h"
 #include "tools/brittle/run/stage_placement.h"
 
 namespace brittle::tools {
@@ -20,17 +24,26 @@ struct Hit {
 
 class Object {
   public:
-    // Loads and prepares the mesh of the options. Throws a Failure, also if the mesh is not closed.
-    [[nodiscard]] static std::shared_ptr<const Object> load(const FractureOptions& options);
+    // Loads and prepares the mesh or the scene of the options. Throws a Failure, also if the one mesh is not closed.
+    // `progress` is called with shares from 0 to 1 while a scene is prepared.
+    [[nodiscard]] static std::shared_ptr<const Object> load(const FractureOptions& options,
+                                                            const std::function<void(double)>& progress = {});
     // Returns the mesh at its place in another world.
     [[nodiscard]] std::shared_ptr<const Object> placed_for(const WorldOptions& world) const;
     Object(const Object&) = delete;
     Object& operator=(const Object&) = delete;
 
-    [[nodiscard]] const std::string& name() const { return file_.name; }
+    [[nodiscard]] const std::string& name() const { return file_.name; } // "scene" for a scene
+    // The scene, and its objects without payloads; none for a mesh. A scene has no sites, and its mesh() is that of all
+    // objects, in the world.
+    [[nodiscard]] bool is_scene() const { return scene_.has_value(); }
+    [[nodiscard]] const LoadedScene& scene() const { return *scene_; } // precondition: is_scene()
+    [[nodiscard]] std::span<const PreparedObject> parts() const { return parts_; }
+    [[nodiscard]] const fracture::Box& home() const { return home_; } // what the camera looks at, on the stage
+
     [[nodiscard]] const Input& file() const { return file_; }                              // without sites
     [[nodiscard]] const fracture::TriangleMesh& mesh() const { return stage_.model.mesh; } // on the stage
-    // The batch of mesh(), in the form that the renderer draws.
+    // The batch of mesh(), in the form that the renderer draws; empty for a scene, whose pieces are drawn.
     [[nodiscard]] const engine::PieceBatch& batch() const { return batch_; }
     // See overlap_of(). Empty for a mesh that was united.
     [[nodiscard]] const std::string& overlap() const { return overlap_; }
@@ -54,6 +67,7 @@ class Object {
 
   private:
     Object(Input file, std::string overlap, const WorldOptions& world);
+    Object(LoadedScene scene, std::vector<PreparedObject> parts);
 
     Input file_, stage_;
     std::string overlap_;
@@ -61,6 +75,9 @@ class Object {
     StagePlacement placement_;
     fracture::TriangleTree tree_;
     engine::PieceBatch batch_;
+    fracture::Box home_;
+    std::optional<LoadedScene> scene_;
+    std::vector<PreparedObject> parts_;
 };
 
 } // namespace brittle::tools

@@ -173,9 +173,13 @@ void Panels::left_column(const PanelState& state, const Layout& layout) {
     const bool alone = layout.right == 0.0f;
     object_panel(state);
     if (alone) tool_panel(state, 0.0f);
-    pattern_panel(state);
-    material_panel(state);
-    cuts_panel(state);
+    if (state.session.object().is_scene()) {
+        scene_panel(state);
+    } else {
+        pattern_panel(state);
+        material_panel(state);
+        cuts_panel(state);
+    }
     if (alone) {
         simulation_panel(state);
         view_panel(state);
@@ -213,12 +217,17 @@ void Panels::bar(const PanelState& state, const Layout& layout) {
         ImGui::SameLine();
     }
     ImGui::SetCursorPosX(ImGui::GetCursorPosX() + plan.between);
-    if (plan.button("Break", "Space", &break_look)) actions_.push_back(Command::break_all);
-    tip(state.session.broken() ? "The mesh is broken; Reset makes it whole again"
-                               : "Break the mesh by the pattern or the sites (Space)");
+    const bool scene = state.session.object().is_scene(), playing = state.session.playing();
+    if (plan.button(scene ? "Play" : "Break", "Space", scene && playing ? &active_look : &break_look))
+        actions_.push_back(Command::break_all);
+    if (scene)
+        tip(playing ? "The scene is played; Reset puts it back" : "Let time begin (Space)");
+    else
+        tip(playing ? "The mesh is broken; Reset makes it whole again"
+                    : "Break the mesh by the pattern or the sites (Space)");
     ImGui::SameLine();
     if (plan.button("Reset", "R", nullptr)) actions_.push_back(Command::reset);
-    tip("Make the mesh whole again (R)");
+    tip(scene ? "Put all objects back to their places, whole (R)" : "Make the mesh whole again (R)");
     ImGui::PopStyleVar();
     ImGui::End();
     ImGui::PopStyleVar();
@@ -252,7 +261,7 @@ void Panels::message(const PanelState& state, const Layout& layout) {
     }
     if (!told_.empty() && !message.fault && ImGui::GetTime() - told_at_ > message_seconds)
         state.session.activity().say({});
-    const bool hints = hint && state.tools.tool() == Tool::inspect && !state.session.broken() && message.text.empty()
+    const bool hints = hint && state.tools.tool() == Tool::inspect && !state.session.playing() && message.text.empty()
                        && layout.top > 0.0f;
     if (message.text.empty() && !hints) return;
     const float middle = 0.5f * (layout.free_min.x + layout.free_max.x);
@@ -262,7 +271,9 @@ void Panels::message(const PanelState& state, const Layout& layout) {
     ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 6.0f * state.scale);
     ImGui::Begin("message", nullptr, hints ? sheet | ImGuiWindowFlags_NoInputs : sheet);
     if (hints) {
-        ImGui::TextUnformatted("Space breaks it all; F3 and a click strike it with a hammer.");
+        ImGui::TextUnformatted(state.session.object().is_scene()
+                                   ? "Space plays the scene; F3 and a click strike an object with a hammer."
+                                   : "Space breaks it all; F3 and a click strike it with a hammer.");
     } else {
         ImGui::PushTextWrapPos(width);
         if (message.fault) ImGui::TextColored({0.98f, 0.52f, 0.42f, 1.0f}, "That did not work");

@@ -76,6 +76,9 @@ class Panels {
     void progress(const PanelState& state, const Layout& layout);
 
     void object_panel(const PanelState& state);
+    void scene_panel(const PanelState& state);
+    void object_list(Session& session);
+    void selected_objects(Session& session);
     void pattern_panel(const PanelState& state);
     void material_panel(const PanelState& state);
     void cuts_panel(const PanelState& state);
@@ -95,8 +98,9 @@ class Panels {
     std::vector<Command> actions_;
     ExportKind export_ = ExportKind::none;
     uint64_t gesture_ = 0;
-    int pages_ = 0;    // pages to scroll in this frame
-    std::string told_; // message on display, and the time of its first display
+    std::vector<uint32_t> listed_; // the selected objects in the last frame
+    int pages_ = 0;                // pages to scroll in this frame
+    std::string told_;             // message on display, and the time of its first display
     double told_at_ = 0.0;
 };
 

@@ -25,6 +25,14 @@ void selected_piece(const Session& session) {
                                  : "Drag turns the view. Once it is broken, click a piece to see its volume.");
         return;
     }
+    if (session.object().is_scene()) {
+        const Simulation& simulation = session.stage().simulation();
+        value("Object", simulation.members()[simulation.member_of(*session.piece)].name.c_str());
+        value("Piece", "number %u", *session.piece);
+        value("Volume", "%.3g m\xc2\xb3", session.pieces().volume(*session.piece));
+        value("Triangles", grouped(session.pieces().triangles(*session.piece)).c_str());
+        return;
+    }
     const double scale = session.object().scale(), volume = session.pieces().volume(*session.piece);
     const double all = session.counts()->certificate.volume_sum;
     value("Piece", "number %u", *session.piece);
@@ -38,6 +46,10 @@ void selected_piece(const Session& session) {
 void hammer_settings(Session& session, const std::function<void(const WorldOptions&)>& set_world) {
     control("Radius", "Radius of the part that a blow breaks (Shift + wheel); the mesh is 2 m long on the stage");
     (void)slider("##radius", session.tools.hammer_radius, 0.05f, 1.5f, "%.2f m");
+    if (session.object().is_scene()) {
+        explain("Lines: where a click cuts what lies still.");
+        return; // the number of pieces is each object's
+    }
     WorldOptions world = session.recipe().world;
     control("Pieces", world.breakable ? "Maximum number of pieces of a blow; the number depends on energy and material"
                                       : "Approximate number of pieces of a blow");

@@ -72,14 +72,9 @@ bool engine_menu(physics::EngineKind& engine) {
     return engine != before;
 }
 
-} // namespace
-
-void Panels::simulation_panel(const PanelState& state) {
-    if (!begin_panel("Simulation")) return;
-    Session& session = state.session;
-    WorldOptions world = session.recipe().world;
-    bool changed = engine_menu(world.engine);
-    changed |= toggle("Bonded", "Pieces hold together until blows or loads break their bonds", world.bonded);
+// Returns whether an option changed.
+bool how_it_breaks(WorldOptions& world) {
+    bool changed = toggle("Bonded", "Pieces hold together until blows or loads break their bonds", world.bonded);
     second_column();
     changed |=
         toggle("Anchored", "Parts that stand on the ground are fixed, and the pieces are bonded", world.anchored);
@@ -101,6 +96,17 @@ void Panels::simulation_panel(const PanelState& state) {
             changed = true;
         }
     }
+    return changed;
+}
+
+} // namespace
+
+void Panels::simulation_panel(const PanelState& state) {
+    if (!begin_panel("Simulation")) return;
+    Session& session = state.session;
+    WorldOptions world = session.recipe().world;
+    bool changed = engine_menu(world.engine);
+    if (!session.object().is_scene()) changed |= how_it_breaks(world);
     if (changed) edit(session, SetWorld{world});
     control("Time", "Speed of time; below 1 is slow motion");
     (void)slider("##Time", session.playback.speed, 0.02f, 1.0f, "%.2f x", ImGuiSliderFlags_Logarithmic);
@@ -115,13 +121,18 @@ void Panels::view_panel(const PanelState& state) {
     PictureOptions& view = state.session.picture();
     control("Exploded", "Pieces drawn apart, by this share of their distance from the middle (X)");
     (void)slider("##Exploded", view.explode, 0.0f, 2.0f, "%.2f");
+    const bool scene = state.session.object().is_scene(); // its objects' cells, sites and bonds are not drawn
+    ImGui::BeginDisabled(scene);
     toggle("Cells", "Voronoi cells, on the mesh as it will break (V)", view.cells);
     second_column();
     toggle("Sites", "Voronoi sites as red spheres (S)", view.sites);
+    ImGui::EndDisabled();
     toggle("Hulls", "Collision hulls: red awake, dark red asleep (D)", view.hulls);
     second_column();
+    ImGui::BeginDisabled(scene);
     toggle("Bonds", "Bonds between pieces, coloured by load: grey without load, red about to break (B)",
            state.session.bonds);
+    ImGui::EndDisabled();
     toggle("Smooth", "Round or flat exteriors (N)", view.smooth);
     if (state.has_line_mode) {
         second_column();

@@ -106,6 +106,14 @@ std::optional<PieceHit> PieceView::first(const glm::dvec3& from, const glm::dvec
     return nearest;
 }
 
+std::vector<engine::BodyPose> poses_by_slot(const Simulation& simulation) {
+    std::vector<engine::BodyPose> poses(simulation.destruction()->slot_count());
+    simulation.visit_poses(1.0f, 0, [&](uint32_t slot, const physics::Pose& pose) {
+        poses[slot] = {.rotation = pose.orientation, .position = pose.position};
+    });
+    return poses;
+}
+
 glm::dvec3 place_of(const Simulation& simulation, const PieceHit& hit) {
     if (simulation.body_of(hit.piece) == physics::BodyId{}) return glm::dvec3(hit.point);
     const physics::Pose pose = simulation.pose_of(hit.piece);
@@ -115,7 +123,7 @@ glm::dvec3 place_of(const Simulation& simulation, const PieceHit& hit) {
 Hammer hammer_blow(const Simulation& simulation, const PieceHit& hit, const glm::dvec3& direction, double radius,
                    uint32_t max_pieces) {
     const physics::SolidPiece& solid = *simulation.destruction()->solid({hit.piece});
-    const physics::MaterialPreset* preset = simulation.material();
+    const physics::MaterialPreset* preset = simulation.members()[simulation.member_of(hit.piece)].material;
     const double energy =
         physics::energy_of(radius, preset ? preset->material : physics::Material{}, solid.mass.volume, max_pieces);
     const double impulse = std::max(std::sqrt(2.0 * hammer_mass * energy),

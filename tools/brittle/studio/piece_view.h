@@ -52,6 +52,9 @@ struct PieceView {
                                                     const glm::dvec3& direction) const;
 };
 
+// Returns the poses of all pieces after the last step, by slot. Precondition: the world is breakable.
+[[nodiscard]] std::vector<engine::BodyPose> poses_by_slot(const Simulation& simulation);
+
 // Returns the point of a hit in the simulation, which has advanced since the frame, or may be drawn exploded.
 [[nodiscard]] glm::dvec3 place_of(const Simulation& simulation, const PieceHit& hit);
 

@@ -15,6 +15,7 @@ namespace {
 
 constexpr float preview_tint = 0.8f;
 constexpr float tint_of_the_struck = 0.12f;
+const uint32_t selection_colour = engine::srgb8(236, 142, 66);
 constexpr double physics_step = 1.0 / 120.0; // s, of World
 constexpr float hull_lift = 0.01f; // share of the way to the eye by which lines of hulls are drawn before pieces
 constexpr float far_away = 12.0f;  // m from the middle, where the stage's shadow ends
@@ -42,6 +43,17 @@ uint32_t bond_colour(double load) {
                          static_cast<uint32_t>(112 - 60 * up));
 }
 
+// Equal for recipes of equal meshes, or of equal objects.
+std::string subject_of(const FractureOptions& options) {
+    FractureOptions only;
+    only.mesh = options.mesh;
+    only.repair = options.repair;
+    only.unite = options.unite;
+    only.units = options.units;
+    only.objects = options.objects;
+    return recipe_json(only);
+}
+
 bool same_strikes(const FractureOptions& a, const FractureOptions& b) {
     return std::equal(a.strikes.begin(), a.strikes.end(), b.strikes.begin(), b.strikes.end());
 }
@@ -54,6 +66,7 @@ Session::Session(FractureOptions recipe, std::shared_ptr<const Object> object, e
     recorder_.emplace(document_.recipe());
     make_stage();
     sites_.generate(document_.recipe(), *object_);
+    if (object_->is_scene()) tell_notes();
 }
 
 Session::~Session() {
@@ -67,13 +80,33 @@ void Session::leave_piece() {
 }
 
 void Session::make_stage() {
-    stage_ = std::make_unique<Stage>(renderer_, fracture::bounds(object_->mesh()), object_->batch(), recipe().material);
+    stage_ = std::make_unique<Stage>(renderer_, object_->home(), object_->batch(), recipe().material);
     stage_->simulation().commit_as(physics::Timing::when_ready);
     stage_->simulation().observe(&*recorder_);
     ++stages_;
     shot_.reset(); // the ball and the blow that wait for the pieces of the old stage
     blow_.reset();
+    playing_ = false;
     leave_piece();
+    if (object_->is_scene()) stand_scene();
+}
+
+// The objects stand at their places; time has not begun.
+void Session::stand_scene() {
+    const physics::PayloadMaker payload = payload_maker(renderer_);
+    std::vector<PreparedObject> parts;
+    for (const PreparedObject& part : object_->parts()) parts.push_back(copy_of(part, payload, recipe().threads));
+    WorldOptions world = object_->scene().world;
+    world.engine = recipe().world.engine;
+    recorder_->use_recipe(recipe());
+    stage_->stand(std::move(parts), world);
+    poses_ = poses_by_slot(stage_->simulation());
+    counts_.emplace().pieces = static_cast<uint32_t>(stage_->simulation().piece_count());
+}
+
+uint32_t Session::blow_pieces(uint32_t of) const {
+    if (!object_->is_scene()) return recipe().world.blow_pieces;
+    return object_->scene().objects[stage_->simulation().member_of(of)].object.recipe.world.blow_pieces;
 }
 
 // --- the recipe ---
@@ -100,13 +133,19 @@ void Session::redo() {
 // Brings the stage up to date with the recipe.
 void Session::follow(const FractureOptions& before) {
     const FractureOptions& now = recipe();
-    if (now.mesh != before.mesh || now.repair != before.repair || now.unite != before.unite) {
-        activity_.start("reading " + now.mesh, [this, now](const Worker::Cancelled&) {
-            auto object = Object::load(now);
-            activity_.post([this, object, mesh = now.mesh] {
-                if (recipe().mesh == mesh) adopt(object);
-            });
-        });
+    std::erase_if(selected, [&](uint32_t k) { return k >= now.objects.size(); });
+    if (const std::string subject = subject_of(now); subject != subject_of(before)) {
+        activity_.start("reading " + (is_scene(now) ? "the scene" : now.mesh),
+                        [this, now, subject](const Worker::Cancelled&) {
+                            auto object = Object::load(now, [this](double share) { activity_.set_share(share); });
+                            activity_.post([this, object, subject] {
+                                if (subject_of(recipe()) == subject) adopt(object);
+                            });
+                        });
+        return;
+    }
+    if (object_->is_scene()) {
+        make_stage();
         return;
     }
     const bool placed = now.world.anchored != before.world.anchored || now.world.height != before.world.height;
@@ -138,7 +177,58 @@ void Session::adopt(std::shared_ptr<const Object> object) {
     } catch (const Failure& failure) {
         report(failure);
     }
-    if (files_.opened) files_.opened(recipe().mesh);
+    if (object_->is_scene())
+        tell_notes();
+    else if (files_.opened)
+        files_.opened(recipe().mesh);
+}
+
+// Says which objects of a scene cannot be broken, and why.
+void Session::tell_notes() {
+    std::string text;
+    for (const std::string& note : object_->scene().notes) text += (text.empty() ? "" : "\n") + note;
+    if (!text.empty()) activity_.say({text, true});
+}
+
+void Session::select(uint32_t object, bool add) {
+    const auto at = std::ranges::find(selected, object);
+    if (!add)
+        selected = {object};
+    else if (at == selected.end())
+        selected.push_back(object);
+    else
+        selected.erase(at);
+}
+
+void Session::change_selected(const std::function<void(SceneObject&)>& change, uint64_t gesture) {
+    std::vector<SceneObject> objects = recipe().objects;
+    for (const uint32_t k : selected) change(objects[k]);
+    edit(SetObjects{std::move(objects)}, gesture);
+}
+
+void Session::duplicate_selected() {
+    constexpr double beside = 0.1; // m, so that copies are visible beside the originals
+    std::vector<SceneObject> objects = recipe().objects;
+    const auto first = static_cast<uint32_t>(objects.size());
+    for (const uint32_t k : selected) {
+        objects.push_back(objects[k]);
+        objects.back().placement.translation.x += beside;
+    }
+    edit(SetObjects{std::move(objects)});
+    selected.clear();
+    for (uint32_t k = first; k < recipe().objects.size(); ++k) selected.push_back(k);
+}
+
+void Session::remove_selected() {
+    std::vector<SceneObject> kept;
+    for (uint32_t k = 0; k < recipe().objects.size(); ++k)
+        if (std::ranges::find(selected, k) == selected.end()) kept.push_back(recipe().objects[k]);
+    if (kept.empty()) {
+        activity_.say({"A scene needs an object: the last one stays."});
+        return;
+    }
+    edit(SetObjects{std::move(kept)});
+    selected.clear();
 }
 
 void Session::take_sites(uint64_t gesture) {
@@ -158,7 +248,7 @@ glm::dvec3 Session::on_stage(const Anchor& anchor) const {
 
 PieceView Session::pieces() const {
     static const fracture::Fragments none;
-    return {stage_->simulation(), broken() ? *fragments_ : none, radii_, poses_};
+    return {stage_->simulation(), broken() && fragments_ ? *fragments_ : none, radii_, poses_};
 }
 
 engine::Bounds Session::all_bounds() const {
@@ -172,6 +262,10 @@ engine::Bounds Session::all_bounds() const {
 }
 
 void Session::break_all() {
+    if (object_->is_scene()) {
+        playing_ = true;
+        return;
+    }
     if (!recipe().strikes.empty()) edit(ClearStrikes{});
     if (broken() || activity_.busy()) return;
     WorldOptions world = recipe().world;
@@ -198,8 +292,12 @@ void Session::strike(const glm::dvec3& at, const glm::dvec3& direction) {
 void Session::strike(const PieceHit& hit, const glm::dvec3& direction) {
     if (stage_->simulation().destruction()) {
         Simulation& simulation = stage_->simulation();
-        simulation.apply(
-            hammer_blow(simulation, hit, direction, double{tools.hammer_radius}, recipe().world.blow_pieces));
+        if (const Simulation::Member& member = simulation.members()[simulation.member_of(hit.piece)]; member.fixed) {
+            activity_.say({member.name + " is fixed, and never breaks."});
+            return;
+        }
+        simulation.apply(hammer_blow(simulation, hit, direction, double{tools.hammer_radius}, blow_pieces(hit.piece)));
+        playing_ = true;
     } else { // at the place of the point in the whole mesh
         strike(glm::dvec3(hit.grip) + fragments_->pieces[hit.piece].mass.centre_of_mass, direction);
     }
@@ -210,6 +308,7 @@ void Session::shoot(const glm::vec3& from, const glm::vec3& direction) {
         stage_->shoot({.from = glm::dvec3(from),
                        .velocity = glm::dvec3(tools.ball_speed * direction),
                        .radius = tools.ball_radius});
+        playing_ = true;
         return;
     }
     if (activity_.busy()) return;
@@ -221,6 +320,7 @@ void Session::shoot(const glm::vec3& from, const glm::vec3& direction) {
 
 void Session::grab(const PieceHit& hit) {
     stage_->simulation().apply(Grab{hit.piece, place_of(stage_->simulation(), hit)});
+    playing_ = true;
 }
 
 void Session::drag(const glm::vec3& to) {
@@ -260,6 +360,7 @@ void Session::take_pieces(Broken made, PreparedPieces ahead, const WorldOptions&
     leave_piece();
     recorder_->use_recipe(recipe());
     stage_->stand(made.fragments, world, std::move(ahead));
+    playing_ = true;
     world_ = world;
     counts_ = {made.certificate.pieces, 0, made.milliseconds, made.certificate, made.fragments.timings};
     fragments_ = std::make_shared<const fracture::Fragments>(std::move(made.fragments));
@@ -284,6 +385,7 @@ void Session::take_pieces(Broken made, PreparedPieces ahead, const WorldOptions&
 void Session::step_once() {
     playback.paused = true;
     single_step_ = true;
+    playing_ = broken();
 }
 
 void Session::report(const Failure& failure, const std::string& mend) {
@@ -300,7 +402,7 @@ void Session::report(const Failure& failure, const std::string& mend) {
 void Session::update(double seconds) {
     activity_.deliver();
     preview_.update();
-    if (!broken()) return;
+    if (!playing_) return;
     if (std::exchange(single_step_, false)) {
         stage_->advance(physics_step);
     } else if (!playback.paused) {
@@ -327,6 +429,24 @@ void Session::add_bond_lines(std::vector<engine::LineVertex>& lines) const {
     }
 }
 
+void Session::add_boxes_of_selected(std::vector<engine::LineVertex>& lines) const {
+    if (!object_->is_scene()) return;
+    const std::vector<LoadedObject>& objects = object_->scene().objects; // as before an edit that is being read
+    for (const uint32_t k : selected) {
+        if (k >= objects.size()) continue;
+        const std::array<glm::vec3, 2> ends{glm::vec3(objects[k].box.min), glm::vec3(objects[k].box.max)};
+        const auto corner = [&](size_t c) {
+            return glm::vec3(ends[c & 1].x, ends[(c >> 1) & 1].y, ends[(c >> 2) & 1].z);
+        };
+        for (size_t c = 0; c < 8; ++c)
+            for (const size_t axis : {1u, 2u, 4u})
+                if ((c & axis) == 0) {
+                    lines.push_back({corner(c), selection_colour});
+                    lines.push_back({corner(c | axis), selection_colour});
+                }
+    }
+}
+
 engine::Scene Session::scene(const engine::Camera& camera) {
     const PictureOptions& view = recipe().picture;
     stage_->show_hulls(view.hulls);
@@ -336,11 +456,12 @@ engine::Scene Session::scene(const engine::Camera& camera) {
     stage_->show_sites(marks_sites || (broken() && view.sites) ? std::span(sites_.on_stage())
                                                                : std::span<const glm::dvec3>());
     lines_.clear();
-    if (broken() && bonds) add_bond_lines(lines_);
+    if (broken() && bonds && !object_->is_scene()) add_bond_lines(lines_);
     const Cracked* shown = preview_.shown();
     if (shown && !shown->ghost && view.cells) lines_ = shown->cells;
     if (shown) lines_.insert(lines_.end(), shown->cracks.begin(), shown->cracks.end());
     preview_.add_cracks_ahead(lines_);
+    if (!playing_) add_boxes_of_selected(lines_);
     stage_->show_lines(lines_);
     engine::Scene scene = stage_->scene();
     // Only a part broke: the rest keeps its look.
@@ -371,7 +492,7 @@ void Session::place_lines(engine::Scene& scene) {
 
 bool Session::quiet() const {
     if (!activity_.idle() || preview_.busy() || single_step_) return false;
-    return playback.paused || stage_->still();
+    return playback.paused || !playing_ || stage_->still();
 }
 
 bool Session::take_fracture_mark() {

@@ -15,6 +15,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -61,6 +62,12 @@ class Session {
     [[nodiscard]] StageSites& sites() { return sites_; }
     // Turns the sites of the pattern, with their weights and groups, into sites placed by hand, which can be edited.
     void take_sites(uint64_t gesture);
+    // Selects an object of a scene, beside those that are selected if `add`; or takes it out again.
+    void select(uint32_t object, bool add);
+    // Changes the selected objects of a scene.
+    void change_selected(const std::function<void(SceneObject&)>& change, uint64_t gesture = 0);
+    void duplicate_selected();
+    void remove_selected(); // the last object stays: a scene needs one
     // Converts anchors, which are relative to the foot of the mesh (world_options.h).
     [[nodiscard]] Anchor anchor_at(const glm::dvec3& on_stage) const;
     [[nodiscard]] glm::dvec3 on_stage(const Anchor& anchor) const;
@@ -70,12 +77,15 @@ class Session {
     [[nodiscard]] const std::shared_ptr<const Object>& shared_object() const { return object_; }
     [[nodiscard]] const Stage& stage() const { return *stage_; }
     [[nodiscard]] bool broken() const { return stage_->broken(); }
+    // Whether time passes, unless it is paused: a mesh is broken, or a scene was started. A scene that is not played
+    // stands at its first moment, and can be edited.
+    [[nodiscard]] bool playing() const { return playing_; }
     // The pieces on the stage; none while the mesh is whole. Valid until the stage changes.
     [[nodiscard]] PieceView pieces() const;
     // The bounds of all pieces except distant ones; of the whole mesh while there are none.
     [[nodiscard]] engine::Bounds all_bounds() const;
 
-    // Breaks the mesh by the pattern or the sites, without strikes.
+    // Breaks the mesh by the pattern or the sites, without strikes. Lets the time of a scene begin.
     void break_all();
     // Hits the whole mesh, or a piece, with the hammer. A breakable world is cut where it is hit and goes on. Otherwise the
     // whole mesh is broken anew, by the recipe with one more strike.
@@ -86,15 +96,18 @@ class Session {
     void grab(const PieceHit& hit);
     void drag(const glm::vec3& to); // target of the grabbed point
     void let_go();
-    // Makes the mesh whole again and removes strikes.
+    // Makes the mesh whole again and removes strikes. Puts the objects of a scene back to their places.
     void reset();
     // Pauses, and runs one step of physics in the next update().
     void step_once();
+    // The most pieces that a blow of the hammer makes of a piece on the stage.
+    [[nodiscard]] uint32_t blow_pieces(uint32_t of) const;
 
     ToolSettings tools;
     Playback playback;
-    bool bonds = false;            // show bonds and their loads
-    std::optional<uint32_t> piece; // the selected piece
+    bool bonds = false;             // show bonds and their loads
+    std::optional<uint32_t> piece;  // the selected piece
+    std::vector<uint32_t> selected; // indices of the selected objects of a scene
 
     [[nodiscard]] SessionFiles& files() { return files_; }
     [[nodiscard]] const Activity& activity() const { return activity_; }
@@ -127,11 +140,14 @@ class Session {
     void follow(const FractureOptions& before);
     void adopt(std::shared_ptr<const Object> object);
     void make_stage();
+    void stand_scene();
+    void tell_notes();
     void leave_piece();
     void start_breaking(const WorldOptions& world);
     void take_pieces(Broken broken, PreparedPieces ahead, const WorldOptions& world);
     void report(const Failure& failure, const std::string& mend = {});
     void place_lines(engine::Scene& scene);
+    void add_boxes_of_selected(std::vector<engine::LineVertex>& lines) const;
     void add_bond_lines(std::vector<engine::LineVertex>& lines) const;
 
     Document document_;
@@ -151,6 +167,7 @@ class Session {
     std::vector<engine::LineVertex> lines_;
     uint64_t stages_ = 0; // number of stages so far; pieces made for an older one are dropped
     bool fractured_ = false;
+    bool playing_ = false;
     bool single_step_ = false;
     StagePreview preview_{*this, renderer_};
     SessionFiles files_{*this};

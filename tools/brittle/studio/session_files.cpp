@@ -17,39 +17,40 @@ bool same_mesh(const Input& a, const Input& b) {
 } // namespace
 
 void SessionFiles::open(const std::string& path, bool repair) {
+    const bool is_recipe = path.ends_with(".json"), from_scene = is_scene(session_.recipe());
     FractureOptions options = session_.recipe();
-    if (!path.ends_with(".json")) {
+    if (is_recipe || from_scene) { // nothing of the scene concerns another mesh
+        options = {};
+        options.threads = session_.recipe().threads;
+    }
+    if (!is_recipe) {
         options.mesh = path;
         options.repair = repair;
         options.unite = false;
         options.points.clear();
         options.strikes.clear();
     }
-    session_.activity_.start("opening " + path, [this, path, options, repair](const Worker::Cancelled&) mutable {
-        try {
-            const bool is_recipe = path.ends_with(".json");
-            if (is_recipe) {
-                FractureOptions plain;
-                plain.threads = options.threads;
-                options = plain;
-                read_recipe(path, options);
+    session_.activity_.start(
+        "opening " + path, [this, path, options, is_recipe, from_scene, repair](const Worker::Cancelled&) mutable {
+            try {
+                if (is_recipe) read_recipe(path, options);
+                auto object = Object::load(options, [this](double share) { session_.activity_.set_share(share); });
+                session_.activity_.post([this, path, options, object, is_recipe, from_scene, repair] {
+                    is_recipe || from_scene ? session_.document_.apply(SetRecipe{options})
+                                            : session_.document_.apply(SetMesh{path, repair});
+                    session_.selected.clear();
+                    session_.adopt(object);
+                    if (is_recipe) {
+                        session_.document_.mark_saved();
+                        if (opened) opened(path);
+                    }
+                });
+            } catch (const Failure& failure) {
+                const bool mendable = std::string(failure.what()).find("--repair") != std::string::npos;
+                session_.activity_.post(
+                    [this, failure, mend = mendable ? path : std::string()] { session_.report(failure, mend); });
             }
-            auto object = Object::load(options);
-            session_.activity_.post([this, path, options, object, is_recipe, repair] {
-                is_recipe ? session_.document_.apply(SetRecipe{options})
-                          : session_.document_.apply(SetMesh{path, repair});
-                session_.adopt(object);
-                if (is_recipe) {
-                    session_.document_.mark_saved();
-                    if (opened) opened(path);
-                }
-            });
-        } catch (const Failure& failure) {
-            const bool mendable = std::string(failure.what()).find("--repair") != std::string::npos;
-            session_.activity_.post(
-                [this, failure, mend = mendable ? path : std::string()] { session_.report(failure, mend); });
-        }
-    });
+        });
 }
 
 void SessionFiles::save_recipe(const std::filesystem::path& file) {
@@ -68,6 +69,12 @@ void SessionFiles::export_pieces(const std::filesystem::path& file, PiecesAs as)
     options.save_recipe.clear();
     ExportSettings settings = exports;
     settings.output = file.string();
+    try {
+        refuse_export_of_scene(options, settings);
+    } catch (const Failure& failure) {
+        session_.report(failure);
+        return;
+    }
     std::shared_ptr<const Snapshot> state;
     if (session_.broken() && (session_.stage_->simulation().destruction() || as == PiecesAs::they_lie)) {
         options.world = session_.world_;
@@ -114,7 +121,7 @@ void SessionFiles::finish_video(std::shared_ptr<Video> video, const std::string&
 
 void SessionFiles::record(const std::filesystem::path& file) {
     session_.recorder_.emplace(file, session_.recipe());
-    session_.stage_->simulation().observe(&*session_.recorder_);
+    session_.make_stage(); // a scene stands already: it begins again, into this log
 }
 
 void SessionFiles::finish_recording() {

@@ -83,14 +83,19 @@ void StagePreview::leave() {
 
 bool StagePreview::rests(uint32_t piece) const {
     const Stage& stage = session_.stage();
-    return session_.playback.paused || !stage.world().awake(stage.simulation().body_of(piece));
+    return session_.playback.paused || !session_.playing() || !stage.world().awake(stage.simulation().body_of(piece));
+}
+
+bool StagePreview::is_fixed(uint32_t piece) const {
+    const Simulation& simulation = session_.stage().simulation();
+    return simulation.members()[simulation.member_of(piece)].fixed;
 }
 
 // Cracks are shown on a resting piece only: a moving one would be elsewhere by the time of the result.
 void StagePreview::look_ahead() {
     const Simulation& simulation = session_.stage().simulation();
     const bool aims = aimed_piece_ && simulation.destruction() && session_.pieces().contains(aimed_piece_->hit.piece)
-                      && rests(aimed_piece_->hit.piece);
+                      && rests(aimed_piece_->hit.piece) && !is_fixed(aimed_piece_->hit.piece);
     if (!aims) {
         asked_ahead_.reset();
         cracks_ahead_.reset();
@@ -99,8 +104,9 @@ void StagePreview::look_ahead() {
     }
     if (asked_ahead_ != aimed_piece_) {
         asked_ahead_ = aimed_piece_;
-        const auto cut = simulation.foresee(hammer_blow(simulation, aimed_piece_->hit, aimed_piece_->direction,
-                                                        aimed_piece_->radius, session_.recipe().world.blow_pieces));
+        const auto cut =
+            simulation.foresee(hammer_blow(simulation, aimed_piece_->hit, aimed_piece_->direction, aimed_piece_->radius,
+                                           session_.blow_pieces(aimed_piece_->hit.piece)));
         if (cut)
             preview_.request(
                 {.object = session_.shared_object(), .cut = cut, .piece = aimed_piece_->hit.piece, .key = ++key_});

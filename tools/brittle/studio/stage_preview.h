@@ -84,6 +84,7 @@ class StagePreview {
     void draw_instead(engine::PieceBatch batch);
     [[nodiscard]] bool is_wanted() const;
     [[nodiscard]] bool rests(uint32_t piece) const;
+    [[nodiscard]] bool is_fixed(uint32_t piece) const;
 
     const Session& session_;
     engine::Renderer& renderer_;

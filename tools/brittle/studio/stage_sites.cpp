@@ -7,6 +7,7 @@ namespace brittle::tools {
 void StageSites::generate(const FractureOptions& recipe, const Object& object) {
     placed_.clear();
     on_stage_.clear();
+    if (object.is_scene()) return; // its objects have sites of their own
     FractureOptions whole = recipe;
     whole.strikes.clear();
     placed_ = placed_sites(sites_for(whole, object.file().model.mesh));

@@ -49,7 +49,7 @@ Studio::Studio(engine::Window& window, engine::Device& device, engine::Renderer&
         recent_.add(file);
         if (file.ends_with(".json")) recipe_file_ = file;
     };
-    recent_.add(session_.recipe().mesh);
+    if (!is_scene(session_.recipe())) recent_.add(session_.recipe().mesh);
     show_title();
 }
 
@@ -210,7 +210,11 @@ void Studio::perform(Command action) {
     }
     const auto material = static_cast<size_t>(action) - static_cast<size_t>(Command::material_1);
     if (material < physics::material_presets().size()) {
-        session_.edit(SetMaterial{std::string(physics::material_presets()[material].name)});
+        const std::string name(physics::material_presets()[material].name);
+        if (session_.object().is_scene())
+            session_.change_selected([&](SceneObject& object) { use_material(name, object.recipe); });
+        else
+            session_.edit(SetMaterial{name});
         return;
     }
     switch (action) {
@@ -414,7 +418,9 @@ void Studio::end_recording() {
 
 void Studio::show_title() {
     std::string title = "Brittle: " + session_.object().name() + ", ";
-    if (session_.broken() && session_.counts())
+    if (session_.object().is_scene())
+        title += session_.playing() ? "playing" : "editing";
+    else if (session_.broken() && session_.counts())
         title += std::to_string(session_.counts()->pieces) + " pieces";
     else
         title += "whole";

@@ -159,6 +159,10 @@ void Tools::release(const engine::ButtonEvent& event, const Viewport& view, Sess
         const Ray ray = view.ray(event.cursor);
         const auto hit = session.pieces().first(ray.from, ray.direction);
         session.piece = hit ? std::optional(hit->piece) : std::nullopt;
+        if (session.object().is_scene() && hit)
+            session.select(session.stage().simulation().member_of(hit->piece), event.modifiers.shift);
+        else if (!event.modifiers.shift)
+            session.selected.clear();
     }
     drag_to(event.cursor, view, session); // the rest of the path
     left_ = false;
@@ -194,7 +198,9 @@ void Tools::press_sites(const engine::ButtonEvent& event, const Viewport& view, 
 void Tools::place_site(const engine::ButtonEvent& event, const Viewport& view, Session& session) {
     const Ray ray = view.ray(event.cursor);
     if (session.broken()) {
-        session.activity().say({"R makes it whole again; then sites can be placed."});
+        session.activity().say({session.object().is_scene()
+                                    ? "Sites are placed on one mesh: open the mesh of an object by itself."
+                                    : "R makes it whole again; then sites can be placed."});
         return;
     }
     const auto hit = session.object().first_hit(ray.from, ray.direction);
@@ -211,7 +217,9 @@ void Tools::place_site(const engine::ButtonEvent& event, const Viewport& view, S
 
 void Tools::press_anchors(const engine::ButtonEvent& event, const Viewport& view, Session& session) {
     if (session.broken()) {
-        session.activity().say({"R makes it whole again; then it can be anchored."});
+        session.activity().say({session.object().is_scene()
+                                    ? "Spots are painted on one mesh; in a scene an object is anchored by its recipe."
+                                    : "R makes it whole again; then it can be anchored."});
         return;
     }
     gesture_ = session.begin_gesture();
@@ -362,6 +370,7 @@ Overlay Tools::overlay(const Viewport& view, const Session& session) const {
 }
 
 void Tools::remove_selected(Session& session) const {
+    if (!session.selected.empty()) return session.remove_selected();
     if (session.sites().selection.empty() || session.broken()) return;
     const uint64_t gesture = session.begin_gesture();
     session.take_sites(gesture);
@@ -370,6 +379,7 @@ void Tools::remove_selected(Session& session) const {
 }
 
 void Tools::duplicate_selected(Session& session) const {
+    if (!session.selected.empty()) return session.duplicate_selected();
     if (session.sites().selection.empty() || session.broken()) return;
     constexpr double beside = 0.08; // m on the stage, so that copies are visible beside the originals
     const uint64_t gesture = session.begin_gesture();

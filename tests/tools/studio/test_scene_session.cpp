@@ -1,0 +1,150 @@
+// The studio's session with a scene of several objects, on a real renderer without a window.
+#include <string>
+
+#include <doctest/doctest.h>
+
+#include "tests/tools/studio/room.h"
+#include "tests/tools/support.h"
+#include "tools/brittle/recipe/recipe.h"
+#include "tools/brittle/replay/log.h"
+
+using namespace brittle;
+using namespace brittle::tools;
+using test::Folder, test::frame, test::Outcome, test::Room, test::run_brittle;
+
+namespace {
+
+// A floor, a vase in the air above it and a ball that comes after a tenth of a second.
+FractureOptions table_top(const Folder& folder) {
+    FractureOptions options;
+    read_recipe(folder.write("scene.json", R"({"brittle": 2, "objects": [
+        {"name": "floor", "mesh": "shape:cube", "scale": [3, 0.1, 3], "translation": [0, -0.1, 0], "fixed": true},
+        {"name": "vase", "mesh": "shape:cube", "material": "ceramic", "scale": 0.2, "translation": [0.5, 1, 0]}],
+        "world": {"shots": [{"time": 0.1, "from": [0, 1, 2], "velocity": [0, 0, -1], "radius": 0.05}]}})"),
+                options);
+    return options;
+}
+
+constexpr glm::dvec3 down(0.0, -1.0, 0.0);
+
+std::optional<PieceHit> below(const Session& session, double x) {
+    return session.pieces().first(glm::dvec3(x, 5.0, 0.0), down);
+}
+
+} // namespace
+
+TEST_CASE("studio scene: objects stand at their places until time begins, and reset puts them back") {
+    const Folder folder;
+    Room room(table_top(folder));
+    if (!room.device) return;
+    Session& session = *room.session;
+    CHECK_FALSE(session.playing());
+    CHECK(session.quiet());
+    for (int k = 0; k < 30; ++k) session.update(frame);
+    CHECK(session.steps() == 0);
+    const auto vase = below(session, 0.5), floor = below(session, -0.5);
+    REQUIRE(vase);
+    REQUIRE(floor);
+    CHECK(vase->point.y == doctest::Approx(1.2));
+    CHECK(floor->point.y == doctest::Approx(0.0));
+    CHECK(session.stage().simulation().member_of(vase->piece) == 1);
+    CHECK(session.stage().simulation().member_of(floor->piece) == 0);
+    const auto start = session.stage().simulation().state_hash();
+
+    session.break_all();
+    CHECK(session.playing());
+    for (int k = 0; k < 30; ++k) session.update(frame);
+    CHECK(session.steps() > 40);
+    CHECK(session.stage().simulation().balls().size() == 1); // the recipe's shot
+    (void)room.picture();
+    REQUIRE(below(session, 0.5));
+    CHECK(below(session, 0.5)->point.y < 1.0f); // it falls
+    session.reset();
+    CHECK_FALSE(session.playing());
+    CHECK(session.stage().simulation().state_hash() == start);
+    CHECK(session.stage().simulation().balls().empty());
+}
+
+TEST_CASE("studio scene: a blow begins the run, cuts what it hits, and leaves a fixed object") {
+    const Folder folder;
+    Room room(table_top(folder));
+    if (!room.device) return;
+    Session& session = *room.session;
+    session.strike(*below(session, -0.5), down);
+    CHECK_FALSE(session.playing());
+    CHECK(session.activity().message().text.find("floor is fixed") == 0);
+    session.strike(*below(session, 0.5), down);
+    CHECK(session.playing());
+    REQUIRE(room.soon([&] { return session.counts()->pieces > 3; }));
+    session.files().save_replay(folder.path / "run.log");
+    const Outcome again = run_brittle(folder, "replay " + folder / "run.log");
+    CAPTURE(again.output);
+    CHECK(again.exit_code == exit_success);
+}
+
+TEST_CASE("studio scene: selected objects are changed, copied and removed, with undo, and saved as they are") {
+    const Folder folder;
+    Room room(table_top(folder));
+    if (!room.device) return;
+    Session& session = *room.session;
+    const auto settled = [&] { return !session.activity().busy(); };
+    const std::string before = recipe_json(session.recipe());
+    session.select(1, false);
+    session.change_selected([](SceneObject& object) { object.placement.translation.x = -1.5; });
+    session.duplicate_selected();
+    REQUIRE(session.recipe().objects.size() == 3);
+    CHECK(session.recipe().objects[2].name == "vase 2");
+    CHECK(session.selected == std::vector<uint32_t>{2});
+    REQUIRE(room.soon([&] { return settled() && session.stage().simulation().members().size() == 3; }));
+    CHECK(below(session, -1.5)->point.y == doctest::Approx(1.2));
+    CHECK(below(session, 0.5)->point.y == doctest::Approx(0.0));
+
+    session.files().save_recipe(folder.path / "saved.json");
+    FractureOptions saved;
+    read_recipe(folder.path / "saved.json", saved);
+    CHECK(recipe_json(saved) == recipe_json(session.recipe()));
+
+    session.remove_selected();
+    CHECK(session.recipe().objects.size() == 2);
+    CHECK(session.selected.empty());
+    for (int k = 0; k < 3; ++k) session.undo();
+    CHECK(recipe_json(session.recipe()) == before);
+    REQUIRE(room.soon([&] { return settled() && session.stage().simulation().members().size() == 2; }));
+    CHECK(below(session, 0.5)->point.y == doctest::Approx(1.2));
+    session.selected = {0, 1};
+    session.remove_selected(); // a scene needs an object
+    CHECK(session.recipe().objects.size() == 2);
+}
+
+TEST_CASE("studio scene: a mesh replaces a scene, and undo brings the scene back") {
+    const Folder folder;
+    Room room(table_top(folder));
+    if (!room.device) return;
+    Session& session = *room.session;
+    session.files().open("shape:cube");
+    REQUIRE(room.soon([&] { return !session.object().is_scene(); }));
+    CHECK_FALSE(session.broken());
+    CHECK(session.recipe().world.shots.empty());
+    CHECK_FALSE(session.sites().on_stage().empty());
+    room.break_it();
+    session.undo();
+    REQUIRE(room.soon([&] { return session.object().is_scene(); }));
+    CHECK(session.stage().simulation().members().size() == 2);
+    CHECK_FALSE(session.playing());
+    session.files().open(folder / "scene.json");
+    CHECK_FALSE(session.document().saved());
+    CHECK(room.soon([&] { return session.document().saved(); }));
+}
+
+TEST_CASE("studio scene: an object that cannot be broken is named") {
+    const Folder folder;
+    folder.write("open.off", "OFF\n4 2 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 1 2\n3 0 2 3\n");
+    FractureOptions options;
+    read_recipe(folder.write("faulty.json",
+                             R"({"brittle": 2, "objects": [{"name": "sheet", "mesh": "open.off"},
+                                                            {"mesh": "shape:cube"}]})"),
+                options);
+    Room room(options);
+    if (!room.device) return;
+    CHECK(room.session->activity().message().text.find("sheet stays whole and fixed") == 0);
+}
