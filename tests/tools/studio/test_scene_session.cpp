@@ -2,11 +2,13 @@
 #include <string>
 
 #include <doctest/doctest.h>
+#include <glm/geometric.hpp>
 
 #include "tests/tools/studio/room.h"
 #include "tests/tools/support.h"
 #include "tools/brittle/recipe/recipe.h"
 #include "tools/brittle/replay/log.h"
+#include "tools/brittle/studio/tools.h"
 
 using namespace brittle;
 using namespace brittle::tools;
@@ -114,6 +116,40 @@ TEST_CASE("studio scene: selected objects are changed, copied and removed, with 
     session.selected = {0, 1};
     session.remove_selected(); // a scene needs an object
     CHECK(session.recipe().objects.size() == 2);
+}
+
+TEST_CASE("studio scene: a dropped mesh is added, and one that cannot be read leaves the stage and is named") {
+    const Folder folder;
+    folder.write("wedge.off", "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3\n");
+    Room room(table_top(folder));
+    if (!room.device) return;
+    Session& session = *room.session;
+    engine::Input input;
+    input.dropped = {folder / "wedge.off"};
+    open_dropped(input, session);
+    REQUIRE(room.soon([&] { return session.stage().simulation().members().size() == 3; }));
+    CHECK(session.stage().simulation().members()[2].name == "wedge");
+    CHECK(session.selected == std::vector<uint32_t>{2});
+    input.dropped = {folder / "missing.obj"};
+    open_dropped(input, session);
+    REQUIRE(room.soon([&] { return session.activity().message().fault; }));
+    CHECK(session.activity().message().text.find("missing") != std::string::npos);
+    CHECK(session.stage().simulation().members().size() == 3);
+    session.undo();
+    CHECK(session.recipe().objects.size() == 3);
+}
+
+TEST_CASE("studio scene: the middle of what is selected is there until time begins") {
+    const Folder folder;
+    Room room(table_top(folder));
+    if (!room.device) return;
+    Session& session = *room.session;
+    CHECK_FALSE(session.middle_of_selected());
+    session.select(1, false);
+    REQUIRE(session.middle_of_selected());
+    CHECK(glm::distance(*session.middle_of_selected(), glm::vec3(0.5f, 1.0f, 0.0f)) < 1e-5f);
+    session.break_all();
+    CHECK_FALSE(session.middle_of_selected());
 }
 
 TEST_CASE("studio scene: a mesh replaces a scene, and undo brings the scene back") {

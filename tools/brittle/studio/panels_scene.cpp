@@ -8,6 +8,7 @@
 
 #include <imgui.h>
 
+#include "fracture/shapes/shapes.h"
 #include "physics/material.h"
 #include "tools/brittle/studio/panels.h"
 #include "tools/brittle/studio/style.h"
@@ -17,10 +18,10 @@ namespace brittle::tools {
 
 namespace {
 
-constexpr float max_rows = 12.0f; // of the list; more scroll
+constexpr float max_rows = 9.0f; // of the list; more scroll
 constexpr float metres_a_pixel = 0.01f;
 constexpr float degrees_a_pixel = 0.5f;
-constexpr float least_scale = 0.001f;
+constexpr float min_scale = 0.001f;
 
 struct KindInfo {
     const char* name;
@@ -57,12 +58,12 @@ const char* name_of(Kind kind) {
     return kinds[static_cast<size_t>(kind)].name;
 }
 
-bool three(const char* name, const char* tip_text, glm::dvec3& value, float speed, float least, const char* format) {
+bool three(const char* name, const char* tip_text, glm::dvec3& value, float speed, float low, const char* format) {
     control(name, tip_text);
     std::array<float, 3> shown{static_cast<float>(value.x), static_cast<float>(value.y), static_cast<float>(value.z)};
-    const bool bounded = least > 0.0f;
+    const bool bounded = low > 0.0f;
     ImGui::SetNextItemWidth(-1.0f);
-    if (!ImGui::DragFloat3((std::string("##") + name).c_str(), shown.data(), speed, bounded ? least : 0.0f,
+    if (!ImGui::DragFloat3((std::string("##") + name).c_str(), shown.data(), speed, bounded ? low : 0.0f,
                            bounded ? 1000.0f : 0.0f, format, ImGuiSliderFlags_AlwaysClamp))
         return false;
     for (int k = 0; k < 3; ++k)
@@ -96,6 +97,12 @@ void Panels::scene_panel(const PanelState& state) {
     Session& session = state.session;
     if (!begin_panel("Objects")) return;
     object_list(session);
+    control("Add", "Adds a shape at the origin of the scene; drop a mesh file on the window to add it");
+    if (ImGui::BeginCombo("##Add", "a shape")) {
+        for (const std::string_view name : fracture::shape_names())
+            if (ImGui::Selectable(std::string(name).c_str())) session.add_object("shape:" + std::string(name));
+        ImGui::EndCombo();
+    }
     if (session.selected.empty()) {
         explain("Click an object to edit it, here or in the view; Shift selects more.");
         return;
@@ -116,6 +123,14 @@ void Panels::selected_objects(Session& session) {
     const std::string count = std::to_string(session.selected.size()) + " objects";
     if (!begin_panel((session.selected.size() == 1 ? first.name + "###selected" : count + "###selected").c_str()))
         return;
+    if (session.selected.size() == 1) {
+        control("Name", "Unique in the scene; Enter sets it");
+        std::array<char, 128> name{};
+        first.name.copy(name.data(), name.size() - 1);
+        ImGui::SetNextItemWidth(-1.0f);
+        if (ImGui::InputText("##Name", name.data(), name.size(), ImGuiInputTextFlags_EnterReturnsTrue) && name[0] != 0)
+            set([&](SceneObject& o) { o.name = name.data(); });
+    }
     const std::string& material = first.recipe.material;
     control("Material", "Decides how it breaks, moves and looks (keys 1 to 6)");
     if (ImGui::BeginCombo("##Material", material.empty() ? "plain" : material.c_str())) {
@@ -143,6 +158,22 @@ void Panels::selected_objects(Session& session) {
         if (ImGui::Checkbox("##Anchored", &anchored))
             set([anchored](SceneObject& o) { o.recipe.world.anchored = anchored && !o.fixed; });
     }
+    if (kind != Kind::fixed) {
+        control("Strength", "Factor on the strength of its material");
+        auto strength = static_cast<float>(first.recipe.world.strength);
+        if (slider("##Strength", strength, 0.01f, 100.0f, "%.2f", ImGuiSliderFlags_Logarithmic))
+            set([strength](SceneObject& o) { o.recipe.world.strength = double{strength}; });
+        control("Roughness", "Of its cuts, from 0, flat, to 1");
+        auto rough = static_cast<float>(first.recipe.rough.amount);
+        if (slider("##Roughness", rough, 0.0f, 1.0f, first.recipe.rough.is_flat() ? "flat" : "%.2f"))
+            set([rough](SceneObject& o) { o.recipe.rough.amount = double{rough}; });
+        control("Seed", "Equal seeds give equal cuts");
+        auto seed = static_cast<int>(std::min<uint64_t>(first.recipe.pattern.seed, 1'000'000));
+        if (ImGui::InputInt("##Seed", &seed))
+            set([seed](SceneObject& o) {
+                o.recipe.pattern.seed = static_cast<uint64_t>(std::clamp(seed, 0, 1'000'000));
+            });
+    }
     if (kind == Kind::bonded || kind == Kind::shattered) {
         control("Sites", "Number of sites of its pattern");
         auto sites = static_cast<int>(first.recipe.pattern.count);
@@ -159,8 +190,7 @@ void Panels::selected_objects(Session& session) {
     if (three("Turn", "Degrees about X, then Y, then Z", turn, degrees_a_pixel, 0.0f, "%.1f"))
         set([turn](SceneObject& o) { o.placement.rotation = turn; });
     const bool mirrored = size.x <= 0.0 || size.y <= 0.0 || size.z <= 0.0; // by the recipe: no slider spans zero
-    if (three("Scale", "Factors along the mesh's X, Y and Z", size, metres_a_pixel, mirrored ? 0.0f : least_scale,
-              "%.3f")
+    if (three("Scale", "Factors along the mesh's X, Y and Z", size, metres_a_pixel, mirrored ? 0.0f : min_scale, "%.3f")
         && size.x * size.y * size.z != 0.0)
         set([size](SceneObject& o) { o.placement.scale = size; });
 }

@@ -191,6 +191,7 @@ void Session::tell_notes() {
 }
 
 void Session::select(uint32_t object, bool add) {
+    if (object >= recipe().objects.size()) return; // it was removed a moment ago, and is still on the stage
     const auto at = std::ranges::find(selected, object);
     if (!add)
         selected = {object};
@@ -217,6 +218,27 @@ void Session::duplicate_selected() {
     edit(SetObjects{std::move(objects)});
     selected.clear();
     for (uint32_t k = first; k < recipe().objects.size(); ++k) selected.push_back(k);
+}
+
+void Session::add_object(const std::string& mesh) {
+    std::vector<SceneObject> objects = recipe().objects;
+    objects.emplace_back();
+    objects.back().name = mesh_name(mesh);
+    objects.back().recipe.mesh = mesh;
+    selected = {static_cast<uint32_t>(objects.size() - 1)};
+    edit(SetObjects{std::move(objects)});
+}
+
+std::optional<glm::vec3> Session::middle_of_selected() const {
+    if (!object_->is_scene() || playing_) return std::nullopt;
+    const std::vector<LoadedObject>& objects = object_->scene().objects;
+    std::optional<engine::Bounds> around;
+    for (const uint32_t k : selected) {
+        if (k >= objects.size()) continue;
+        const engine::Bounds box{glm::vec3(objects[k].box.min), glm::vec3(objects[k].box.max)};
+        around = around ? engine::join(*around, box) : box;
+    }
+    return around ? std::optional(around->centre()) : std::nullopt;
 }
 
 void Session::remove_selected() {

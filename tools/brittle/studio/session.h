@@ -67,6 +67,10 @@ class Session {
     // Changes the selected objects of a scene.
     void change_selected(const std::function<void(SceneObject&)>& change, uint64_t gesture = 0);
     void duplicate_selected();
+    // Adds an object with a mesh, a file or shape:NAME, at the origin of the scene, and selects it.
+    void add_object(const std::string& mesh);
+    // The middle of the boxes of the selected objects; nothing without one, and while the scene is played.
+    [[nodiscard]] std::optional<glm::vec3> middle_of_selected() const;
     void remove_selected(); // the last object stays: a scene needs one
     // Converts anchors, which are relative to the foot of the mesh (world_options.h).
     [[nodiscard]] Anchor anchor_at(const glm::dvec3& on_stage) const;

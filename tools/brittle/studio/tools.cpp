@@ -63,7 +63,12 @@ const ToolInfo& info_of(Tool tool) {
 }
 
 void open_dropped(const engine::Input& input, Session& session) {
-    if (!input.dropped.empty()) session.files().open(input.dropped.back());
+    if (input.dropped.empty()) return;
+    const std::string& file = input.dropped.back();
+    if (session.object().is_scene() && !file.ends_with(".json"))
+        session.add_object(file);
+    else
+        session.files().open(file);
 }
 
 void Tools::choose(Tool tool, Session& session) {
@@ -124,7 +129,10 @@ void Tools::press(const engine::ButtonEvent& event, const Viewport& view, Sessio
     const Ray ray = view.ray(event.cursor);
     switch (tool_) {
     case Tool::inspect:
-        drag_ = Drag::orbit;
+        if (const auto axis = axis_at(event.cursor, view, session))
+            hold_axis(*axis, event.cursor, view, session);
+        else
+            drag_ = Drag::orbit;
         break;
     case Tool::sites:
         press_sites(event, view, session);
@@ -155,7 +163,7 @@ void Tools::press(const engine::ButtonEvent& event, const Viewport& view, Sessio
 }
 
 void Tools::release(const engine::ButtonEvent& event, const Viewport& view, Session& session) {
-    if (tool_ == Tool::inspect && glm::distance(event.cursor, pressed_at_) <= click_slack) {
+    if (tool_ == Tool::inspect && drag_ == Drag::orbit && glm::distance(event.cursor, pressed_at_) <= click_slack) {
         const Ray ray = view.ray(event.cursor);
         const auto hit = session.pieces().first(ray.from, ray.direction);
         session.piece = hit ? std::optional(hit->piece) : std::nullopt;
@@ -169,15 +177,21 @@ void Tools::release(const engine::ButtonEvent& event, const Viewport& view, Sess
     if (std::exchange(drag_, Drag::none) == Drag::grab) session.let_go();
 }
 
-void Tools::press_sites(const engine::ButtonEvent& event, const Viewport& view, Session& session) {
+// Begins to drag the selected sites, or objects of a scene, along an axis.
+void Tools::hold_axis(int axis, glm::vec2 pixel, const Viewport& view, Session& session) {
     gesture_ = session.begin_gesture();
+    drag_ = Drag::axis;
+    axis_ = axis;
+    dragged_ = on_axis(view.ray(pixel), glm::dvec3(*gizmo_at(session)), glm::dvec3(axis_vector(axis)));
+}
+
+void Tools::press_sites(const engine::ButtonEvent& event, const Viewport& view, Session& session) {
     if (const auto axis = axis_at(event.cursor, view, session)) {
-        drag_ = Drag::axis;
-        axis_ = *axis;
-        dragged_ = on_axis(view.ray(event.cursor), glm::dvec3(*gizmo_at(session)), glm::dvec3(axis_vector(axis_)));
+        hold_axis(*axis, event.cursor, view, session);
         session.take_sites(gesture_);
         return;
     }
+    gesture_ = session.begin_gesture();
     const auto site = site_at(event.cursor, view, session);
     if (!site) {
         place_site(event, view, session);
@@ -272,9 +286,13 @@ void Tools::drag_to(glm::vec2 cursor, const Viewport& view, Session& session) {
                                                : on_axis(ray, dragged_, glm::dvec3(axis_vector(axis_)));
     const glm::dvec3 by = (now - dragged_) / session.object().scale();
     if (by == glm::dvec3(0.0)) return;
+    dragged_ = now;
+    if (session.object().is_scene()) {
+        session.change_selected([by](SceneObject& object) { object.placement.translation += by; }, gesture_);
+        return;
+    }
     session.take_sites(gesture_);
     session.edit(MoveSites{session.sites().selection, by}, gesture_);
-    dragged_ = now;
 }
 
 void Tools::aim(const engine::Input& input, const Viewport& view, bool free, Session& session) {
@@ -316,8 +334,9 @@ std::optional<uint32_t> Tools::site_at(glm::vec2 pixel, const Viewport& view, co
     return best;
 }
 
-std::optional<glm::vec3> Tools::gizmo_at(const Session& session) {
-    if (session.broken() || session.sites().selection.empty()) return std::nullopt;
+std::optional<glm::vec3> Tools::gizmo_at(const Session& session) const {
+    if (session.object().is_scene()) return tool_ == Tool::inspect ? session.middle_of_selected() : std::nullopt;
+    if (tool_ != Tool::sites || session.broken() || session.sites().selection.empty()) return std::nullopt;
     glm::dvec3 sum(0.0);
     for (const uint32_t s : session.sites().selection) sum += session.sites().on_stage()[s];
     return glm::vec3(sum / static_cast<double>(session.sites().selection.size()));
@@ -330,6 +349,20 @@ std::optional<int> Tools::axis_at(glm::vec2 pixel, const Viewport& view, const S
             return axis.axis;
     }
     return std::nullopt;
+}
+
+// Rings around the sites that are selected, of their groups, or under the cursor; and the sites without effect.
+void Tools::ring_sites(const Viewport& view, const Session& session, Overlay& overlay) const {
+    const auto ring = [&](uint32_t s, bool strong) {
+        if (s >= session.sites().on_stage().size()) return;
+        if (const auto at = view.pixel(glm::vec3(session.sites().on_stage()[s])))
+            overlay.circles.push_back({*at, 10.0f, strong});
+    };
+    for (const uint32_t s : session.preview().idle_sites())
+        if (const auto at = view.pixel(glm::vec3(session.sites().on_stage()[s]))) overlay.idle.push_back(*at);
+    for (const uint32_t s : session.sites().fellows_of_selected()) ring(s, false);
+    for (const uint32_t s : session.sites().selection) ring(s, true);
+    if (hovered_) ring(*hovered_, false);
 }
 
 Overlay Tools::overlay(const Viewport& view, const Session& session) const {
@@ -348,17 +381,7 @@ Overlay Tools::overlay(const Viewport& view, const Session& session) const {
     if (tool_ == Tool::shoot) overlay.circles.push_back({cursor_, 6.0f, true});
     if (drag_ == Drag::grab)
         if (const auto at = view.pixel(target_)) overlay.string = {*at, cursor_};
-    if (tool_ != Tool::sites || session.broken()) return overlay;
-    const auto ring = [&](uint32_t s, bool strong) {
-        if (s >= session.sites().on_stage().size()) return;
-        if (const auto at = view.pixel(glm::vec3(session.sites().on_stage()[s])))
-            overlay.circles.push_back({*at, 10.0f, strong});
-    };
-    for (const uint32_t s : session.preview().idle_sites())
-        if (const auto at = view.pixel(glm::vec3(session.sites().on_stage()[s]))) overlay.idle.push_back(*at);
-    for (const uint32_t s : session.sites().fellows_of_selected()) ring(s, false);
-    for (const uint32_t s : session.sites().selection) ring(s, true);
-    if (hovered_) ring(*hovered_, false);
+    if (tool_ == Tool::sites && !session.broken()) ring_sites(view, session, overlay);
     const auto centre = gizmo_at(session);
     const auto from = centre ? view.pixel(*centre) : std::nullopt;
     if (!from) return overlay;

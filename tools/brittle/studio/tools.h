@@ -81,10 +81,12 @@ class Tools {
     void paint_along(glm::vec2 to, const Viewport& view, Session& session);
     void paint(const Ray& ray, Session& session);
     void drag_to(glm::vec2 cursor, const Viewport& view, Session& session);
+    void ring_sites(const Viewport& view, const Session& session, Overlay& overlay) const;
     void aim(const engine::Input& input, const Viewport& view, bool free, Session& session);
     [[nodiscard]] std::optional<uint32_t> site_at(glm::vec2 pixel, const Viewport& view, const Session& session) const;
     [[nodiscard]] std::optional<int> axis_at(glm::vec2 pixel, const Viewport& view, const Session& session) const;
-    [[nodiscard]] static std::optional<glm::vec3> gizmo_at(const Session& session);
+    [[nodiscard]] std::optional<glm::vec3> gizmo_at(const Session& session) const;
+    void hold_axis(int axis, glm::vec2 pixel, const Viewport& view, Session& session);
 
     Tool tool_ = Tool::inspect;
     Drag drag_ = Drag::none;
