@@ -123,6 +123,21 @@ TEST_CASE("level scene: objects are where the file has them, and instances share
     CHECK(objects[3].bodies.solids[0] == objects[2].bodies.solids[0]);
     CHECK(objects[6].bodies.solids[0] == objects[2].bodies.solids[0]);
     CHECK(objects[5].bodies.solids[0] != objects[2].bodies.solids[0]); // another material
+
+    // As objects of the recipe, one by one, it is the same scene.
+    FractureOptions expanded = options;
+    CHECK(expand_level(expanded).empty());
+    CHECK(expanded.level.mesh.empty());
+    const LoadedScene again = load_scene(expanded);
+    REQUIRE(again.objects.size() == loaded.objects.size());
+    for (size_t k = 0; k < again.objects.size(); ++k) {
+        CHECK(again.objects[k].object.name == loaded.objects[k].object.name);
+        CHECK(again.objects[k].box.min == loaded.objects[k].box.min);
+        CHECK(again.objects[k].box.max == loaded.objects[k].box.max);
+    }
+    FractureOptions read_again;
+    read_recipe(folder.write("expanded.json", recipe_json(expanded)), read_again);
+    CHECK(recipe_json(read_again) == recipe_json(expanded));
 }
 
 TEST_CASE("level scene: a mesh that cannot be broken stays fixed, with a note, and others break") {

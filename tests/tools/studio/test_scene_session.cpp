@@ -1,9 +1,11 @@
 // The studio's session with a scene of several objects, on a real renderer without a window.
+#include <filesystem>
 #include <string>
 
 #include <doctest/doctest.h>
 #include <glm/geometric.hpp>
 
+#include "fracture/io/import.h"
 #include "tests/tools/studio/room.h"
 #include "tests/tools/support.h"
 #include "tools/brittle/recipe/recipe.h"
@@ -150,6 +152,23 @@ TEST_CASE("studio scene: the middle of what is selected is there until time begi
     CHECK(glm::distance(*session.middle_of_selected(), glm::vec3(0.5f, 1.0f, 0.0f)) < 1e-5f);
     session.break_all();
     CHECK_FALSE(session.middle_of_selected());
+}
+
+TEST_CASE("studio scene: the pieces of all objects are exported as one file, and another format is refused") {
+    const Folder folder;
+    Room room(table_top(folder));
+    if (!room.device) return;
+    Session& session = *room.session;
+    session.strike(*below(session, 0.5), down);
+    REQUIRE(room.soon([&] { return session.counts()->pieces > 3; }));
+    session.files().export_pieces(folder.path / "rubble.glb", PiecesAs::they_lie);
+    CHECK(session.activity().message().text.find("pieces in ") != std::string::npos);
+    const auto written = fracture::import_scene(folder.path / "rubble.glb");
+    REQUIRE(written);
+    CHECK(written->nodes.size() == session.counts()->pieces);
+    session.files().export_pieces(folder.path / "rubble.obj", PiecesAs::they_lie);
+    CHECK(session.activity().message().text.find(".glb file") != std::string::npos);
+    CHECK_FALSE(std::filesystem::exists(folder.path / "rubble.obj"));
 }
 
 TEST_CASE("studio scene: a mesh replaces a scene, and undo brings the scene back") {

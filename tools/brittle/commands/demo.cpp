@@ -7,6 +7,7 @@
 #include "tools/brittle/pictures/view.h"
 #include "tools/brittle/recipe/recipe.h"
 #include "tools/brittle/run/classify_choice.h"
+#include "tools/brittle/run/scene.h"
 #include "tools/brittle/studio/studio.h"
 #include "tools/brittle/studio/style.h"
 
@@ -16,18 +17,19 @@ int run_demo(const DemoCommand& command) {
     catch_interrupts();
     const auto window =
         must(engine::Window::create({.title = "Brittle", .width = command.view.width, .height = command.view.height}));
-    const auto object = Object::load(command.fracture);
-    if (!command.fracture.save_recipe.empty()) write_recipe(command.fracture.save_recipe, command.fracture);
+    FractureOptions options = command.fracture;
+    for (const std::string& note : expand_level(options)) std::fprintf(stderr, "brittle: %s\n", note.c_str());
+    const auto object = Object::load(options);
+    if (!options.save_recipe.empty()) write_recipe(options.save_recipe, options);
     const std::unique_ptr<engine::Device> device = open_device(command.view);
     {
         const ClassifyPath path = object->is_scene() ? ClassifyPath::cpu : classify_path(command.classify);
-        const ClassifyChoice choice =
-            choose_classifier(path, *device, object->with_sites(command.fracture), command.fracture);
+        const ClassifyChoice choice = choose_classifier(path, *device, object->with_sites(options), options);
         std::fprintf(stderr, "brittle: classification on the %s\n", choice.why.c_str());
         const auto renderer = must(engine::Renderer::create(*device, renderer_settings(command.view)));
         const float scale = command.ui_scale > 0.0 ? static_cast<float>(command.ui_scale) : window->content_scale();
         must(renderer->attach(*window, [scale] { apply_style(scale); }));
-        Session session(command.fracture, object, *renderer, choice.classifier.get());
+        Session session(options, object, *renderer, choice.classifier.get());
         if (!command.record.empty()) session.files().record(command.record);
         Studio(*window, *device, *renderer, session, scale).run();
         session.files().finish_recording();

@@ -171,9 +171,8 @@ std::vector<SceneObject> with_patterns(std::vector<SceneObject> objects, double 
     return objects;
 }
 
-// The objects of the level, then those of the recipe.
-std::vector<SceneObject> objects_of(const FractureOptions& scene, MeshFiles& files, std::vector<std::string>& notes) {
-    if (scene.level.mesh.empty()) return with_patterns(scene.objects, scene.piece_scale);
+// The objects of the level, then those of the recipe. The scene has a level.
+std::vector<SceneObject> with_level(const FractureOptions& scene, MeshFiles& files, std::vector<std::string>& notes) {
     std::set<std::string> names;
     for (const SceneObject& object : scene.objects) names.insert(object.name);
     const fracture::MeshScene& file = files.scene_of(scene.level.mesh);
@@ -181,7 +180,12 @@ std::vector<SceneObject> objects_of(const FractureOptions& scene, MeshFiles& fil
     notes = file.notes;
     notes.insert(notes.end(), level.notes.begin(), level.notes.end());
     level.objects.insert(level.objects.end(), scene.objects.begin(), scene.objects.end());
-    return with_patterns(std::move(level.objects), scene.piece_scale);
+    return std::move(level.objects);
+}
+
+std::vector<SceneObject> objects_of(const FractureOptions& scene, MeshFiles& files, std::vector<std::string>& notes) {
+    const bool has_level = !scene.level.mesh.empty();
+    return with_patterns(has_level ? with_level(scene, files, notes) : scene.objects, scene.piece_scale);
 }
 
 fracture::Box home_of(std::span<const LoadedObject> objects) {
@@ -203,6 +207,15 @@ fracture::Box box_in_world(const TriangleMesh& mesh, const physics::Pose& placem
 }
 
 } // namespace
+
+std::vector<std::string> expand_level(FractureOptions& scene) {
+    std::vector<std::string> notes;
+    if (scene.level.mesh.empty()) return notes;
+    MeshFiles files;
+    scene.objects = with_level(scene, files, notes);
+    scene.level = {};
+    return notes;
+}
 
 LoadedScene load_scene(const FractureOptions& scene) {
     const InterruptDeadline deadline;

@@ -41,6 +41,10 @@ struct LoadedScene {
     std::vector<std::string> notes{}; // for people: meshes that cannot be broken, and why; faults of a level
 };
 
+// Replaces the level of a scene by the objects that it stands for, so that each can be edited. Returns notes for people
+// about faults of the level. Throws a Failure.
+[[nodiscard]] std::vector<std::string> expand_level(FractureOptions& scene);
+
 // Throws a Failure.
 [[nodiscard]] LoadedScene load_scene(const FractureOptions& scene);
 

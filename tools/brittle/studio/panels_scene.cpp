@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdio>
 #include <functional>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -21,7 +22,7 @@ namespace {
 constexpr float max_rows = 9.0f; // of the list; more scroll
 constexpr float metres_a_pixel = 0.01f;
 constexpr float degrees_a_pixel = 0.5f;
-constexpr float min_scale = 0.001f;
+constexpr float min_factor = 0.001f;
 
 struct KindInfo {
     const char* name;
@@ -43,7 +44,12 @@ Kind kind_of(const SceneObject& object) {
     return object.recipe.world.breakable ? Kind::breakable : Kind::rigid;
 }
 
+bool is_cut(Kind kind) {
+    return kind == Kind::bonded || kind == Kind::shattered;
+}
+
 void make(SceneObject& object, Kind kind) {
+    if (is_cut(kind) && !is_cut(kind_of(object))) object.recipe.automatic = AutomaticPattern{}; // as in a recipe
     object.fixed = kind == Kind::fixed;
     object.shattered = kind == Kind::shattered;
     object.recipe.world.bonded = kind == Kind::bonded;
@@ -172,9 +178,25 @@ void Panels::selected_objects(Session& session) {
         if (ImGui::InputInt("##Seed", &seed))
             set([seed](SceneObject& o) {
                 o.recipe.pattern.seed = static_cast<uint64_t>(std::clamp(seed, 0, 1'000'000));
+                if (o.recipe.automatic) o.recipe.automatic->named_seed = false;
             });
     }
-    if (kind == Kind::bonded || kind == Kind::shattered) {
+    if (is_cut(kind)) {
+        control("Automatic", "Its material and size decide the number of pieces");
+        bool automatic = first.recipe.automatic.has_value();
+        if (ImGui::Checkbox("##Automatic", &automatic))
+            set([automatic](SceneObject& o) {
+                o.recipe.automatic = automatic ? std::optional(AutomaticPattern{}) : std::nullopt;
+            });
+    }
+    if (is_cut(kind) && first.recipe.automatic) {
+        control("Piece size", "Factor on the size of its pieces");
+        auto scale = static_cast<float>(first.recipe.automatic->scale);
+        if (slider("##Piece size", scale, 0.1f, 10.0f, "%.2f", ImGuiSliderFlags_Logarithmic))
+            set([scale](SceneObject& o) {
+                if (o.recipe.automatic) o.recipe.automatic->scale = double{scale};
+            });
+    } else if (is_cut(kind)) {
         control("Sites", "Number of sites of its pattern");
         auto sites = static_cast<int>(first.recipe.pattern.count);
         if (slider("##Sites", sites, 2, 1000, "%d", ImGuiSliderFlags_Logarithmic))
@@ -190,7 +212,8 @@ void Panels::selected_objects(Session& session) {
     if (three("Turn", "Degrees about X, then Y, then Z", turn, degrees_a_pixel, 0.0f, "%.1f"))
         set([turn](SceneObject& o) { o.placement.rotation = turn; });
     const bool mirrored = size.x <= 0.0 || size.y <= 0.0 || size.z <= 0.0; // by the recipe: no slider spans zero
-    if (three("Scale", "Factors along the mesh's X, Y and Z", size, metres_a_pixel, mirrored ? 0.0f : min_scale, "%.3f")
+    if (three("Scale", "Factors along the mesh's X, Y and Z", size, metres_a_pixel, mirrored ? 0.0f : min_factor,
+              "%.3f")
         && size.x * size.y * size.z != 0.0)
         set([size](SceneObject& o) { o.placement.scale = size; });
 }

@@ -4,6 +4,7 @@
 
 #include "tools/brittle/base/failure.h"
 #include "tools/brittle/recipe/recipe.h"
+#include "tools/brittle/run/scene.h"
 #include "tools/brittle/studio/session.h"
 
 namespace brittle::tools {
@@ -33,13 +34,18 @@ void SessionFiles::open(const std::string& path, bool repair) {
     session_.activity_.start(
         "opening " + path, [this, path, options, is_recipe, from_scene, repair](const Worker::Cancelled&) mutable {
             try {
-                if (is_recipe) read_recipe(path, options);
+                std::vector<std::string> notes;
+                if (is_recipe) {
+                    read_recipe(path, options);
+                    notes = expand_level(options);
+                }
                 auto object = Object::load(options, [this](double share) { session_.activity_.set_share(share); });
-                session_.activity_.post([this, path, options, object, is_recipe, from_scene, repair] {
+                session_.activity_.post([this, path, options, object, is_recipe, from_scene, repair, notes] {
                     is_recipe || from_scene ? session_.document_.apply(SetRecipe{options})
                                             : session_.document_.apply(SetMesh{path, repair});
                     session_.selected.clear();
                     session_.adopt(object);
+                    for (const std::string& note : notes) session_.activity_.say({note});
                     if (is_recipe) {
                         session_.document_.mark_saved();
                         if (opened) opened(path);
@@ -70,7 +76,13 @@ void SessionFiles::export_pieces(const std::filesystem::path& file, PiecesAs as)
     ExportSettings settings = exports;
     settings.output = file.string();
     try {
-        refuse_export_of_scene(options, settings);
+        check_export_of_scene(options, settings);
+        if (session_.object_->is_scene()) {
+            const size_t pieces =
+                write_scene_state(settings, as, session_.object_->scene(), session_.stage_->simulation());
+            session_.activity_.say({written_text(pieces, {file})});
+            return;
+        }
     } catch (const Failure& failure) {
         session_.report(failure);
         return;
