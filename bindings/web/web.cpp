@@ -72,7 +72,8 @@ WEB_API brittle_mesh* web_mesh_shape(const char* name) {
     return made<brittle_mesh>([&](brittle_mesh** out) { return brittle_mesh_shape(name, out, &last); });
 }
 WEB_API brittle_mesh* web_mesh_repair(const brittle_mesh* mesh) {
-    return made<brittle_mesh>([&](brittle_mesh** out) { return brittle_mesh_repair(mesh, nullptr, out, nullptr, &last); });
+    return made<brittle_mesh>(
+        [&](brittle_mesh** out) { return brittle_mesh_repair(mesh, nullptr, out, nullptr, &last); });
 }
 WEB_API brittle_mesh* web_mesh_unite(const brittle_mesh* mesh) {
     return made<brittle_mesh>([&](brittle_mesh** out) { return brittle_mesh_unite(mesh, 1, out, nullptr, &last); });
@@ -202,7 +203,8 @@ WEB_API const char* web_certificate(const brittle_pieces* pieces) {
 }
 
 WEB_API brittle_surface* web_surface(const brittle_pieces* pieces, uint32_t piece) {
-    return made<brittle_surface>([&](brittle_surface** out) { return brittle_pieces_surface(pieces, piece, out, &last); });
+    return made<brittle_surface>(
+        [&](brittle_surface** out) { return brittle_pieces_surface(pieces, piece, out, &last); });
 }
 WEB_API uint32_t web_surface_parts(const brittle_surface* surface) {
     return static_cast<uint32_t>(brittle_surface_parts(surface));

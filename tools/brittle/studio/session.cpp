@@ -101,7 +101,7 @@ void Session::stand_scene() {
     recorder_->use_recipe(recipe());
     stage_->stand(std::move(parts), world);
     poses_ = poses_by_slot(stage_->simulation());
-    counts_.emplace().pieces = static_cast<uint32_t>(stage_->simulation().piece_count());
+    counts_ = {static_cast<uint32_t>(stage_->simulation().piece_count()), 0, 0.0, {}, {}};
 }
 
 uint32_t Session::blow_pieces(uint32_t of) const {
