@@ -139,6 +139,8 @@ export class Fracture implements Iterable<Piece> {
 }
 
 export function init(): Promise<void>;
+/** Bytes of memory that the library holds. They grow as needed, and never shrink. */
+export function heapBytes(): number;
 export function version(): Promise<string>;
 export function load(bytes: ArrayBuffer | Uint8Array, extension: string): Promise<Mesh>;
 export function shape(name: string): Promise<Mesh>;

@@ -276,6 +276,11 @@ function check(name, value) {
             `${name} is ${value}; it must be a ${kind === "vector" ? "list of three numbers" : kind}`);
 }
 
+/** Bytes of memory that the library holds. They grow as needed, and never shrink. */
+export function heapBytes() {
+    return need().HEAPU8.length;
+}
+
 /** The version of the library. */
 export async function version() {
     await init();

@@ -1,5 +1,6 @@
 // The C interface for JavaScript: settings come as JSON, and what several values would be goes out as JSON. Each
 // function returns 0 or null after a failure, which web_status() and web_message() then explain.
+#include <cstdio>
 #include <cstring>
 #include <string>
 
@@ -26,6 +27,14 @@ T* made(const Call& call) {
 const char* returned(const Json& json) {
     text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
     return text.c_str();
+}
+
+// Writes address, rows, columns, bytes between rows, and type.
+int describe(const brittle_array& array, uint32_t* out) {
+    const uint32_t values[] = {reinterpret_cast<uint32_t>(array.data), static_cast<uint32_t>(array.rows), array.columns,
+                               static_cast<uint32_t>(array.stride), array.type};
+    std::memcpy(out, values, sizeof values);
+    return 1;
 }
 
 void read(const Json& json, const char* key, double* numbers, size_t count) {
@@ -166,22 +175,15 @@ WEB_API void web_pieces_free(brittle_pieces* pieces) {
     brittle_pieces_free(pieces);
 }
 
-// Describes an array: address, rows, columns, bytes between rows, type.
 WEB_API int web_mesh_array(const brittle_mesh* mesh, uint32_t which, uint32_t* out) {
     brittle_array array{};
     if (brittle_mesh_array(mesh, which, &array, &last) != BRITTLE_OK) return 0;
-    const uint32_t values[] = {reinterpret_cast<uint32_t>(array.data), static_cast<uint32_t>(array.rows), array.columns,
-                               static_cast<uint32_t>(array.stride), array.type};
-    std::memcpy(out, values, sizeof values);
-    return 1;
+    return describe(array, out);
 }
 WEB_API int web_pieces_array(const brittle_pieces* pieces, uint32_t which, uint32_t* out) {
     brittle_array array{};
     if (brittle_pieces_array(pieces, which, &array, &last) != BRITTLE_OK) return 0;
-    const uint32_t values[] = {reinterpret_cast<uint32_t>(array.data), static_cast<uint32_t>(array.rows), array.columns,
-                               static_cast<uint32_t>(array.stride), array.type};
-    std::memcpy(out, values, sizeof values);
-    return 1;
+    return describe(array, out);
 }
 WEB_API const char* web_certificate(const brittle_pieces* pieces) {
     brittle_certificate found{};
@@ -216,10 +218,7 @@ WEB_API int web_surface_part(const brittle_surface* surface, uint32_t part, uint
 WEB_API int web_surface_array(const brittle_surface* surface, uint32_t part, uint32_t which, uint32_t* out) {
     brittle_array array{};
     if (brittle_surface_array(surface, part, which, &array, &last) != BRITTLE_OK) return 0;
-    const uint32_t values[] = {reinterpret_cast<uint32_t>(array.data), static_cast<uint32_t>(array.rows), array.columns,
-                               static_cast<uint32_t>(array.stride), array.type};
-    std::memcpy(out, values, sizeof values);
-    return 1;
+    return describe(array, out);
 }
 WEB_API void web_surface_free(brittle_surface* surface) {
     brittle_surface_free(surface);

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <atomic>
 #include <charconv>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -68,7 +69,8 @@ class jthread {
     std::thread thread_;
 };
 
-// The digits are the fewest that give the number back, as the standard asks.
+// The fewest digits that give the number back. Where the standard takes the shorter of 100000 and 1e+05, printf() may take
+// the other: text differs, numbers do not.
 inline to_chars_result to_chars(char* first, char* last, double value) {
     char text[40];
     int size = 0;
@@ -76,7 +78,6 @@ inline to_chars_result to_chars(char* first, char* last, double value) {
         size = std::snprintf(text, sizeof text, "%.*g", digits, value);
         if (std::strtod(text, nullptr) == value || value != value) break;
     }
-    // Of two forms the shorter one: 1e+05 for 100000, where printf agrees from six digits on.
     if (size > last - first) return {last, errc::value_too_large};
     std::memcpy(first, text, static_cast<size_t>(size));
     return {first + size, errc{}};

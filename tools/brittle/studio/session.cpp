@@ -183,10 +183,11 @@ void Session::adopt(std::shared_ptr<const Object> object) {
         files_.opened(recipe().mesh);
 }
 
-// Says which objects of a scene cannot be broken, and why.
-void Session::tell_notes() {
+// Says what is wrong with a level, then which objects of a scene cannot be broken, and why.
+void Session::tell_notes(std::span<const std::string> of_level) {
     std::string text;
-    for (const std::string& note : object_->scene().notes) text += (text.empty() ? "" : "\n") + note;
+    for (const std::span<const std::string> notes : {of_level, std::span<const std::string>(object_->scene().notes)})
+        for (const std::string& note : notes) text += (text.empty() ? "" : "\n") + note;
     if (!text.empty()) activity_.say({text, true});
 }
 

@@ -18,6 +18,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -145,7 +146,7 @@ class Session {
     void adopt(std::shared_ptr<const Object> object);
     void make_stage();
     void stand_scene();
-    void tell_notes();
+    void tell_notes(std::span<const std::string> of_level = {});
     void leave_piece();
     void start_breaking(const WorldOptions& world);
     void take_pieces(Broken broken, PreparedPieces ahead, const WorldOptions& world);

@@ -45,7 +45,7 @@ void SessionFiles::open(const std::string& path, bool repair) {
                                             : session_.document_.apply(SetMesh{path, repair});
                     session_.selected.clear();
                     session_.adopt(object);
-                    for (const std::string& note : notes) session_.activity_.say({note});
+                    if (!notes.empty()) session_.tell_notes(notes);
                     if (is_recipe) {
                         session_.document_.mark_saved();
                         if (opened) opened(path);
