@@ -13,6 +13,7 @@
 #include "tools/brittle/replay/log.h"
 #include "tools/brittle/replay/player.h"
 #include "tools/brittle/replay/recorder.h"
+#include "tools/brittle/run/scene.h"
 #include "tools/brittle/run/simulation.h"
 #include "tools/brittle/run/stage.h"
 
@@ -40,6 +41,22 @@ inline std::optional<Difference> replayed(const ReplayLog& log, const fracture::
     simulation.start(fragments, world_of(log.recipe));
     if (!player.difference()) schedule(log, simulation);
     while (!player.done() && !player.difference()) simulation.step();
+    return player.difference();
+}
+
+// The same for the log of a scene, prepared and run by a number of threads. `steps` receives those that were taken.
+inline std::optional<Difference> replayed_scene(const ReplayLog& log, uint32_t threads, uint64_t& steps) {
+    FractureOptions recipe = log.recipe;
+    recipe.threads = threads;
+    LoadedScene scene = load_scene(recipe);
+    Simulation simulation;
+    Player player(log);
+    simulation.observe(&player);
+    follow(log, simulation);
+    simulation.start(prepare_scene(scene), scene.world);
+    schedule(log, simulation);
+    while (!player.done() && !player.difference()) simulation.step();
+    steps = simulation.steps();
     return player.difference();
 }
 
