@@ -43,8 +43,8 @@ wait_for() {
 
 # The time limit ends an xdotool whose window has gone.
 xdotool() { timeout 20 /usr/bin/env xdotool "$@"; }
-find_window() { window=$(xdotool search --name '^Brittle: ' 2>/dev/null | head -n 1); [ -n "$window" ]; }
-titled() { xdotool getwindowname "$window" 2>/dev/null | grep -qE "$1"; }
+find_window() { window=$(xdotool search --name '^Brittle: ' 2>/dev/null | sed -n 1p); [ -n "$window" ]; }
+titled() { xdotool getwindowname "$window" 2>/dev/null | grep -E "$1" >/dev/null; }
 alive() { kill -0 "$demo" 2>/dev/null || fail "the program ended"; }
 
 # launch OPTION...: starts the program; `opened` waits for its window and mesh
