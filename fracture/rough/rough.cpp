@@ -8,6 +8,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "fracture/base/rounded_math.h"
 #include "fracture/mesh/mass_properties.h"
 #include "fracture/pieces/merge.h"
 #include "fracture/rough/crossings.h"
@@ -57,7 +58,7 @@ Error out_of_range(const char* what, double value, const char* range) {
 double estimate_triangles(const Box& box, size_t sites, double spacing) {
     const glm::dvec3 size = box.size();
     const double volume = size.x * size.y * size.z, n = static_cast<double>(sites);
-    const double area = 2.9 * std::cbrt(n) * std::cbrt(volume * volume);
+    const double area = 2.9 * rounded::cbrt(n) * rounded::cbrt(volume * volume);
     return 2.0 * area / (0.433 * spacing * spacing);
 }
 

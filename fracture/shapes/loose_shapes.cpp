@@ -1,4 +1,5 @@
 // The shapes of shapes.h that are several solids: blocks that stand on each other.
+#include "fracture/base/rounded_math.h"
 #include "fracture/shapes/shapes.h"
 
 #include <algorithm>
@@ -70,8 +71,8 @@ TriangleMesh stone_arch(double thickness, uint32_t stones, double joint) {
         for (size_t i = 0; i < corners.size(); ++i) {
             const double angle = i & 1 ? to : from, radius = i & 2 ? outer : inner;
             const double back = 0.5 * joint * (i & 1 ? 1.0 : -1.0);
-            corners[i] = {radius * std::cos(angle) - back * std::sin(angle),
-                          radius * std::sin(angle) + back * std::cos(angle), i & 4 ? half_depth : -half_depth};
+            corners[i] = {radius * rounded::cos(angle) - back * rounded::sin(angle),
+                          radius * rounded::sin(angle) + back * rounded::cos(angle), i & 4 ? half_depth : -half_depth};
         }
         append_block(mesh, corners);
     }
@@ -84,7 +85,7 @@ TriangleMesh card_house(uint32_t levels, double joint) {
     constexpr double lean = 20.0 * std::numbers::pi / 180.0; // from upright
     constexpr double overhang = 0.003;                       // of the outermost lying cards beyond the crest below them
     constexpr double pitch = height + 1e-4;                  // of lying cards
-    const double c = std::cos(lean), s = std::sin(lean);
+    const double c = rounded::cos(lean), s = rounded::sin(lean);
     TriangleMesh mesh;
     double floor = 0.0;
     for (uint32_t pairs = levels; pairs >= 1; --pairs) {
@@ -120,7 +121,7 @@ TriangleMesh domino_spiral(uint32_t count) {
         const double angle = angles[i] - angles.back(), radius = radius_at(angles[i]);
         // The tangent of the spiral: across the radius, and inwards a little.
         const double slope = turns_apart / (2.0 * std::numbers::pi * radius), length = std::sqrt(1.0 + slope * slope);
-        const glm::dvec3 outward(std::cos(angle), 0.0, std::sin(angle));
+        const glm::dvec3 outward(rounded::cos(angle), 0.0, rounded::sin(angle));
         const glm::dvec3 inwards = (glm::dvec3(outward.z, 0.0, -outward.x) - slope * outward) / length;
         append_box(mesh, radius * outward + glm::dvec3(0.0, 0.5 * height, 0.0), {thickness, height, width}, inwards,
                    {0.0, 1.0, 0.0});

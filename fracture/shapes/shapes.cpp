@@ -13,6 +13,7 @@
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 
+#include "fracture/base/rounded_math.h"
 #include "fracture/triangulation/triangulate.h"
 
 namespace brittle::fracture {
@@ -160,8 +161,9 @@ TriangleMesh torus(uint32_t major_segments, uint32_t minor_segments, double majo
         const double u = 2.0 * std::numbers::pi * i / n;
         for (uint32_t j = 0; j < m; ++j) {
             const double v = 2.0 * std::numbers::pi * j / m;
-            const double from_axis = major_radius + minor_radius * std::cos(v);
-            mesh.positions.emplace_back(from_axis * std::sin(u), minor_radius * std::sin(v), from_axis * std::cos(u));
+            const double from_axis = major_radius + minor_radius * rounded::cos(v);
+            mesh.positions.emplace_back(from_axis * rounded::sin(u), minor_radius * rounded::sin(v),
+                                        from_axis * rounded::cos(u));
         }
     }
     return mesh;
@@ -183,18 +185,18 @@ TriangleMesh torus_knot(uint32_t p, uint32_t q, uint32_t segments, uint32_t ring
         const double t = 2.0 * std::numbers::pi * i / n;
         const double u = turns_major * t;
         const double v = turns_minor * t;
-        const double from_axis = major_radius + minor_radius * std::cos(v);
-        const glm::dvec3 outward(std::sin(u), 0, std::cos(u));
-        const glm::dvec3 along(std::cos(u), 0, -std::sin(u));
-        const glm::dvec3 centre = outward * from_axis + glm::dvec3(0, minor_radius * std::sin(v), 0);
+        const double from_axis = major_radius + minor_radius * rounded::cos(v);
+        const glm::dvec3 outward(rounded::sin(u), 0, rounded::cos(u));
+        const glm::dvec3 along(rounded::cos(u), 0, -rounded::sin(u));
+        const glm::dvec3 centre = outward * from_axis + glm::dvec3(0, minor_radius * rounded::sin(v), 0);
         // The curve lies on a torus, whose normal is perpendicular to it. This frame closes without a twist correction.
-        const glm::dvec3 normal = outward * std::cos(v) + glm::dvec3(0, std::sin(v), 0);
-        const glm::dvec3 up = -outward * std::sin(v) + glm::dvec3(0, std::cos(v), 0);
+        const glm::dvec3 normal = outward * rounded::cos(v) + glm::dvec3(0, rounded::sin(v), 0);
+        const glm::dvec3 up = -outward * rounded::sin(v) + glm::dvec3(0, rounded::cos(v), 0);
         const glm::dvec3 tangent = normalize(along * (turns_major * from_axis) + up * (turns_minor * minor_radius));
         const glm::dvec3 binormal = cross(tangent, normal);
         for (uint32_t j = 0; j < m; ++j) {
             const double w = 2.0 * std::numbers::pi * j / m;
-            mesh.positions.push_back(centre + (normal * std::cos(w) - binormal * std::sin(w)) * tube_radius);
+            mesh.positions.push_back(centre + (normal * rounded::cos(w) - binormal * rounded::sin(w)) * tube_radius);
         }
     }
     return mesh;
@@ -253,7 +255,7 @@ TriangleMesh arch(uint32_t segments) {
                                        {-width, height}, {-width, 0.0}, {-inner, 0.0}};
     for (uint32_t k = 0; k <= segments; ++k) {
         const double angle = std::numbers::pi * (1.0 - static_cast<double>(k) / segments);
-        outline.emplace_back(inner * std::cos(angle), spring + inner * std::sin(angle));
+        outline.emplace_back(inner * rounded::cos(angle), spring + inner * rounded::sin(angle));
     }
     const auto n = static_cast<uint32_t>(outline.size());
     TriangleMesh mesh;
@@ -307,7 +309,7 @@ TriangleMesh tower() {
         if (index != UINT32_MAX) return index;
         const double angle = 2.0 * std::numbers::pi * i / around;
         const double radius = at.z == 0 ? inner : levels[y].radius;
-        mesh.positions.emplace_back(radius * std::sin(angle), levels[y].height, radius * std::cos(angle));
+        mesh.positions.emplace_back(radius * rounded::sin(angle), levels[y].height, radius * rounded::cos(angle));
         return index = static_cast<uint32_t>(mesh.positions.size() - 1);
     };
     for (glm::ivec3 cell(0); cell.x < static_cast<int>(around); ++cell.x)

@@ -5,6 +5,7 @@
 
 #include <glm/vec2.hpp>
 
+#include "fracture/base/rounded_math.h"
 #include "fracture/shapes/shapes.h"
 
 namespace brittle::fracture {
@@ -43,7 +44,7 @@ TriangleMesh lathe(const std::vector<glm::dvec2>& profile, uint32_t sides) {
     for (const glm::dvec2& ring : profile)
         for (uint32_t k = 0; k < sides; ++k) {
             const double angle = 2.0 * std::numbers::pi * k / sides;
-            mesh.positions.emplace_back(ring.x * std::cos(angle), ring.y, ring.x * std::sin(angle));
+            mesh.positions.emplace_back(ring.x * rounded::cos(angle), ring.y, ring.x * rounded::sin(angle));
         }
     for (uint32_t ring = 0; ring + 1 < profile.size(); ++ring)
         for (uint32_t k = 0; k < sides; ++k) {

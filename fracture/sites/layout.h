@@ -15,6 +15,7 @@
 #include <glm/vec3.hpp>
 
 #include "fracture/base/random.h"
+#include "fracture/base/rounded_math.h"
 
 namespace brittle::fracture {
 
@@ -55,8 +56,8 @@ struct RadialLayout {
             const double angle_shift = layout.angle_jitter * (random.uniform() - 0.5);
             const double ring_shift = layout.ring_jitter * (random.uniform() - 0.5);
             const double angle = 2.0 * std::numbers::pi * (ray + turn + stagger + angle_shift) / rays;
-            const double radius = layout.reach * std::pow((ring + 0.5 + ring_shift) / rings, layout.ring_exponent);
-            sites.push_back(centre + radius * (std::cos(angle) * frame.u + std::sin(angle) * frame.v));
+            const double radius = layout.reach * rounded::pow((ring + 0.5 + ring_shift) / rings, layout.ring_exponent);
+            sites.push_back(centre + radius * (rounded::cos(angle) * frame.u + rounded::sin(angle) * frame.v));
         }
     }
     return sites;

@@ -15,6 +15,7 @@
 #include <glm/geometric.hpp>
 
 #include "fracture/base/random.h"
+#include "fracture/base/rounded_math.h"
 #include "fracture/mesh/inside.h"
 #include "fracture/mesh/mass_properties.h"
 #include "fracture/mesh/thickness.h"
@@ -230,8 +231,8 @@ class Maker {
     }
 
     double normal() { // standard normal distribution, after Box and Muller
-        const double r = std::sqrt(-2.0 * std::log(1.0 - random_.uniform()));
-        return r * std::cos(2.0 * pi * random_.uniform());
+        const double r = std::sqrt(-2.0 * rounded::log(1.0 - random_.uniform()));
+        return r * rounded::cos(2.0 * pi * random_.uniform());
     }
 
     void clustered() {
@@ -245,7 +246,7 @@ class Maker {
     void radial() {
         const double irregular = jitter(0.5);
         const RadialLayout layout{.count = count_,
-                                  .reach = 0.5 * std::hypot(frame_.width_u, frame_.width_v),
+                                  .reach = 0.5 * rounded::hypot(frame_.width_u, frame_.width_v),
                                   .ring_exponent = 1.6,
                                   .ring_turn = irregular,
                                   .stagger = 0.5,
@@ -257,7 +258,7 @@ class Maker {
     // Returns whole numbers of cells along the sides of the box: about count_ in total, with the given proportions.
     [[nodiscard]] glm::uvec3 cells(const glm::dvec3& proportions) const {
         const glm::dvec3 size = glm::max(box_.size() / proportions, glm::dvec3(1e-9 * glm::length(box_.size())));
-        const double edge = std::cbrt(size.x * size.y * size.z / count_);
+        const double edge = rounded::cbrt(size.x * size.y * size.z / count_);
         return glm::uvec3(glm::clamp(glm::round(size / edge), glm::dvec3(1.0), glm::dvec3(count_)));
     }
 
@@ -303,8 +304,8 @@ class Maker {
     void splinters() {
         const double across = std::sqrt(frame_.width_u * frame_.width_v);
         const double layers = std::clamp(
-            std::round(std::pow(frame_.length * std::sqrt(count_) / (pattern_.slenderness * across), 2.0 / 3.0)), 1.0,
-            static_cast<double>(count_));
+            std::round(rounded::pow(frame_.length * std::sqrt(count_) / (pattern_.slenderness * across), 2.0 / 3.0)),
+            1.0, static_cast<double>(count_));
         const double depth = frame_.length / layers, width = across / std::sqrt(count_ / layers);
         SplinterLayers stack{frame_.centre, frame_.along, {}};
         for (double layer = 0.5; layer < layers; ++layer) stack.heights.push_back(layer * depth - 0.5 * frame_.length);
@@ -371,7 +372,7 @@ class Maker {
         double sum = 0.0;
         for (size_t k = 0; k + 1 < edges.size(); k += 2) {
             const glm::dvec3 a = normal_of(edges[k].triangle), b = normal_of(edges[k + 1].triangle);
-            const double bend = std::acos(std::clamp(glm::dot(a, b), -1.0, 1.0)) + 1e-3;
+            const double bend = rounded::acos(std::clamp(glm::dot(a, b), -1.0, 1.0)) + 1e-3;
             sum += bend * glm::distance(mesh_.positions[edges[k].low], mesh_.positions[edges[k].high]);
             weight.push_back(sum);
             pairs.push_back(k);
@@ -419,7 +420,7 @@ class Maker {
     // Gives the sites random balls as weights, up to largest_ball. Squaring the random number makes small balls common.
     void grade() {
         const glm::dvec3 size = box_.size();
-        const double spacing = std::cbrt(size.x * size.y * size.z / static_cast<double>(result_.sites.size()));
+        const double spacing = rounded::cbrt(size.x * size.y * size.z / static_cast<double>(result_.sites.size()));
         for (size_t k = 0; k < result_.sites.size(); ++k) {
             const double u = random_.uniform(), radius = largest_ball * pattern_.grading * spacing * u * u;
             result_.weights.push_back(radius * radius);
@@ -459,7 +460,7 @@ Result<PatternSites> make_sites(const Pattern& pattern, const TriangleMesh& mesh
     uint32_t count = pattern.count;
     if (pattern.piece_size > 0.0) {
         const double volume = std::abs(signed_volume(mesh.positions, mesh.triangles));
-        const double wanted = std::round(volume / std::pow(pattern.piece_size, 3.0));
+        const double wanted = std::round(volume / rounded::pow(pattern.piece_size, 3.0));
         if (!(wanted <= max_sites))
             return bad("piece_size", std::to_string(pattern.piece_size),
                        "larger: the solid holds more than a million pieces of that size");
@@ -484,7 +485,7 @@ std::vector<glm::dvec3> place(std::span<const glm::dvec3> sites, const Box& from
     for (glm::dvec3 p : sites) {
         p -= from.centre();
         for (int axis = 0; axis < 3; ++axis) {
-            const double angle = placement.turn[axis] * pi / 180.0, c = std::cos(angle), s = std::sin(angle);
+            const double angle = placement.turn[axis] * pi / 180.0, c = rounded::cos(angle), s = rounded::sin(angle);
             const int a = (axis + 1) % 3, b = (axis + 2) % 3;
             const double x = p[a], y = p[b];
             p[a] = c * x - s * y;
