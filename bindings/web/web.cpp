@@ -4,9 +4,13 @@
 #include <cstring>
 #include <string>
 
+#include <emscripten.h>
 #include <nlohmann/json.hpp>
 
 #include "bindings/c/brittle.h"
+
+// Tells JavaScript the completed share of the work, or -1, and asks it whether to stop.
+EM_JS(int, web_tell, (double share), { return Module["tell"] ? Module["tell"](share) : 0; });
 
 namespace {
 
@@ -121,6 +125,8 @@ WEB_API brittle_pieces* web_fracture(const brittle_mesh* mesh, const char* setti
     brittle_fracture_settings cut;
     brittle_fracture_settings_init(&cut, sizeof cut);
     cut.threads = 1;
+    cut.progress = [](void*, double share) { web_tell(share); };
+    cut.cancelled = [](void*) -> int32_t { return web_tell(-1.0); };
     std::string kind = "uniform";
     if (const auto material = json.find("material"); material != json.end() && material->is_string()) {
         brittle_material stuff{};
@@ -222,6 +228,19 @@ WEB_API int web_surface_array(const brittle_surface* surface, uint32_t part, uin
 }
 WEB_API void web_surface_free(brittle_surface* surface) {
     brittle_surface_free(surface);
+}
+
+WEB_API brittle_hulls* web_hulls(const brittle_pieces* pieces, uint32_t parts, uint32_t vertices) {
+    return made<brittle_hulls>(
+        [&](brittle_hulls** out) { return brittle_pieces_hulls(pieces, parts, vertices, out, &last); });
+}
+WEB_API int web_hulls_array(const brittle_hulls* hulls, uint32_t which, uint32_t* out) {
+    brittle_array array{};
+    if (brittle_hulls_array(hulls, which, &array, &last) != BRITTLE_OK) return 0;
+    return describe(array, out);
+}
+WEB_API void web_hulls_free(brittle_hulls* hulls) {
+    brittle_hulls_free(hulls);
 }
 
 WEB_API brittle_files* web_save(const brittle_pieces* pieces, const char* name) {

@@ -152,6 +152,6 @@ test("the example of the documentation runs", () => {
 });
 
 test("the version is that of the package", async () => {
-    const { version: expected } = JSON.parse(fs.readFileSync(path.join(ROOT, "bindings/web/package.json"), "utf8"));
+    const { version: expected } = JSON.parse(fs.readFileSync(path.join(ROOT, "bindings/web/package/package.json"), "utf8"));
     assert.equal(await version(), expected);
 });

@@ -120,19 +120,52 @@ export interface Certificate {
     hash: string;
 }
 
-export class Fracture implements Iterable<Piece> {
+export interface Hull {
+    /** Relative to the centre of mass of the piece. */
+    points: Float32Array;
+    /** m: thickness of the collision shell around the points. */
+    margin: number;
+}
+
+/** Surfaces of all pieces one after another. A row of `parts` for each part: piece, material (2^32 - 1 for none), 1 for
+ *  cuts, first vertex, vertices, first triangle, triangles, 1 where it has texture coordinates. */
+export interface Surfaces {
+    parts: Uint32Array;
+    positions: Float32Array;
+    normals: Float32Array;
+    uv: Float32Array;
+    triangles: Uint32Array;
+    vertices: Uint32Array;
+}
+
+/** The pieces of a fracture. */
+export class Pieces implements Iterable<Piece> {
     readonly length: number;
     readonly volumes: Float64Array;
+    readonly areas: Float64Array;
     readonly centres: Float64Array;
+    /** Nine numbers each, about the centre at density 1, m^5. */
+    readonly inertias: Float64Array;
+    readonly sites: Uint32Array;
     /** Two pieces each, the lower number first. */
     readonly bonds: Uint32Array;
     readonly bondAreas: Float64Array;
+    readonly bondCentroids: Float64Array;
+    /** From the first piece to the second. */
+    readonly bondNormals: Float64Array;
     readonly certificate: Certificate;
     readonly hash: string;
+    readonly surfaces: Surfaces;
     piece(index: number): Piece;
     [Symbol.iterator](): Iterator<Piece>;
     /** Buffers for drawing: a part for each material, then the cuts. */
     surface(index: number): SurfacePart[];
+    /** Convex hulls for collisions; those of a Fracture have 64 points at most, one hull a piece. */
+    hulls(index: number): Hull[];
+}
+
+/** Pieces in the memory of the library. Arrays are copied out when they are asked for first. */
+export class Fracture extends Pieces {
     /** A .glb, .obj, .ply or .stl file. */
     toBytes(name?: string): Uint8Array;
     dispose(): void;
@@ -144,4 +177,12 @@ export function heapBytes(): number;
 export function version(): Promise<string>;
 export function load(bytes: ArrayBuffer | Uint8Array, extension: string): Promise<Mesh>;
 export function shape(name: string): Promise<Mesh>;
-export function fracture(mesh: Mesh, settings?: FractureSettings): Promise<Fracture>;
+export interface FractureControl {
+    /** The completed share of the work, 0 to 1. */
+    onProgress?: (share: number) => void;
+    /** Ends the work with its reason. The call blocks its thread: only onProgress can abort it, or a worker (see below). */
+    signal?: AbortSignal;
+}
+
+/** Cuts a closed mesh into watertight pieces, on this thread. `brittle-fracture/worker` does it on another one. */
+export function fracture(mesh: Mesh, settings?: FractureSettings, control?: FractureControl): Promise<Fracture>;

@@ -1,6 +1,10 @@
 // Brittle for JavaScript: see brittle.d.ts. The arrays that come out are copies; handles free their memory by dispose(),
 // or when the garbage collector finds them.
 import start from "./brittle_wasm.mjs";
+import { BrittleError } from "./error.js";
+import { ARRAYS, Pieces } from "./pieces.js";
+
+export { BrittleError, Pieces };
 
 let module = null;
 let starting = null;
@@ -16,15 +20,6 @@ export function init() {
         module = await start(options);
     })();
     return starting;
-}
-
-/** A refusal of the library: `status` is its name, the message says what to do. */
-export class BrittleError extends Error {
-    constructor(status, message) {
-        super(message);
-        this.name = "BrittleError";
-        this.status = status;
-    }
 }
 
 function need() {
@@ -173,58 +168,40 @@ export async function shape(name) {
     return scoped(({ text }) => new Mesh(made(need()._web_mesh_shape(text(name)), "_web_mesh_free")));
 }
 
-/** The pieces of a fracture. */
-export class Fracture {
+/** The pieces of a fracture, in the memory of the library; what is asked for is copied once. */
+export class Fracture extends Pieces {
     #handle;
-    #arrays = new Map();
-    constructor(handle) { this.#handle = handle; }
+    #copies = new Map();
+    constructor(handle) {
+        super({});
+        this.#handle = handle;
+    }
     get address() { return this.#handle.address; }
-    #array(which) {
-        if (!this.#arrays.has(which)) this.#arrays.set(which, array("_web_pieces_array", this.address, which));
-        return this.#arrays.get(which);
+    #once(name, make) {
+        if (!this.#copies.has(name)) this.#copies.set(name, make());
+        return this.#copies.get(name);
     }
-    get length() { return this.#array(8).length; }
-    get volumes() { return this.#array(8); }
-    get centres() { return this.#array(10); }
-    get bonds() { return this.#array(12); }
-    get bondAreas() { return this.#array(13); }
-    get certificate() { return answer(need()._web_certificate(this.address)); }
-    get hash() { return this.certificate.hash; }
-    piece(index) {
-        if (!Number.isInteger(index) || index < 0 || index >= this.length)
-            throw new BrittleError("invalid_argument", `there is no piece ${index}; there are ${this.length}`);
-        const [vertices, triangles] = [this.#array(4), this.#array(5)];
-        return {
-            index,
-            positions: this.#array(1).subarray(3 * vertices[2 * index], 3 * vertices[2 * index + 1]),
-            triangles: this.#array(2).subarray(3 * triangles[2 * index], 3 * triangles[2 * index + 1]),
-            exteriorTriangles: this.#array(6)[index],
-            volume: this.volumes[index],
-            centre: this.centres.subarray(3 * index, 3 * index + 3),
-        };
-    }
-    *[Symbol.iterator]() {
-        for (let index = 0; index < this.length; ++index) yield this.piece(index);
-    }
-    surface(index) {
-        const m = need();
-        const handle = made(m._web_surface(this.address, count(index, "index")), "_web_surface_free");
+    array(name) { return this.#once(name, () => array("_web_pieces_array", this.address, ARRAYS[name])); }
+    get certificate() { return this.#once("certificate", () => answer(need()._web_certificate(this.address))); }
+    get surfaces() { return this.#once("surfaces", () => joinedSurfaces(this.address, this.length)); }
+    makeHulls({ parts = 1, vertices = 64 } = {}) {
+        const handle = made(need()._web_hulls(this.address, count(parts, "parts"), count(vertices, "vertices")),
+            "_web_hulls_free");
         try {
-            const parts = [];
-            for (let part = 0; part < m._web_surface_parts(handle.address); ++part) {
-                const [material, interior] = scoped(({ room }) => {
-                    const at = room(8);
-                    if (!m._web_surface_part(handle.address, part, at)) throw refusal();
-                    return new Uint32Array(m.HEAPU8.slice(at, at + 8).buffer);
-                });
-                const of = (which) => array("_web_surface_array", handle.address, part, which);
-                parts.push({ material: material === 0xffffffff ? null : material, interior: interior === 1,
-                             positions: of(1), normals: of(2), uv: of(3), triangles: of(6), vertices: of(7) });
-            }
-            return parts;
+            const [points, ranges, pieces, margins] = [1, 2, 3, 4].map((which) => array("_web_hulls_array", handle.address, which));
+            return { points, ranges, pieces, margins };
         } finally {
             handle.dispose();
         }
+    }
+    get hullArrays() { return this.#once("hulls", () => this.makeHulls()); }
+    /** Everything in plain arrays, which can be sent to another thread. */
+    toData({ surfaces = true, hulls = null } = {}) {
+        const data = { certificate: this.certificate, arrays: {} };
+        for (const name of Object.keys(ARRAYS)) data.arrays[name] = this.array(name);
+        if (surfaces) data.surfaces = this.surfaces;
+        if (hulls) data.hulls = this.makeHulls(hulls);
+        return data;
     }
     toBytes(name = "pieces.glb") {
         const m = need();
@@ -243,9 +220,52 @@ export class Fracture {
     dispose() { this.#handle.dispose(); }
 }
 
-/** Cuts a closed mesh into watertight pieces. */
-export async function fracture(mesh, settings = {}) {
+/** The surfaces of all pieces one after another, and a table with a row for each part of one material. */
+function joinedSurfaces(pieces, count) {
+    const m = need(), rows = [], all = { positions: [], normals: [], uv: [], triangles: [], vertices: [] };
+    let vertex = 0, triangle = 0;
+    for (let piece = 0; piece < count; ++piece) {
+        const handle = made(m._web_surface(pieces, piece), "_web_surface_free");
+        try {
+            for (let part = 0; part < m._web_surface_parts(handle.address); ++part) {
+                const [material, interior] = scoped(({ room }) => {
+                    const at = room(8);
+                    if (!m._web_surface_part(handle.address, part, at)) throw refusal();
+                    return new Uint32Array(m.HEAPU8.slice(at, at + 8).buffer);
+                });
+                const [positions, normals, uv, triangles, vertices] =
+                    [1, 2, 3, 6, 7].map((which) => array("_web_surface_array", handle.address, part, which));
+                rows.push(piece, material, interior, vertex, vertices.length, triangle, triangles.length / 3,
+                    uv.length > 0 ? 1 : 0);
+                vertex += vertices.length;
+                triangle += triangles.length / 3;
+                all.positions.push(positions);
+                all.normals.push(normals);
+                all.uv.push(uv.length > 0 ? uv : new Float32Array(2 * vertices.length));
+                all.triangles.push(triangles);
+                all.vertices.push(vertices);
+            }
+        } finally {
+            handle.dispose();
+        }
+    }
+    const join = (arrays, Type) => {
+        const out = new Type(arrays.reduce((sum, given) => sum + given.length, 0));
+        arrays.reduce((at, given) => (out.set(given, at), at + given.length), 0);
+        return out;
+    };
+    return { parts: Uint32Array.from(rows), positions: join(all.positions, Float32Array),
+             normals: join(all.normals, Float32Array), uv: join(all.uv, Float32Array),
+             triangles: join(all.triangles, Uint32Array), vertices: join(all.vertices, Uint32Array) };
+}
+
+/**
+ * Cuts a closed mesh into watertight pieces, on this thread. onProgress gets the completed share; a signal that is
+ * aborted by it, or by another thread through isCancelled, ends the work.
+ */
+export async function fracture(mesh, settings = {}, { onProgress, signal, isCancelled } = {}) {
     await init();
+    signal?.throwIfAborted();
     if (!(mesh instanceof Mesh))
         throw new BrittleError("invalid_argument", "the first argument must be a Mesh, of load(), shape() or new Mesh()");
     const { sites = 100, weights, ...rest } = settings;
@@ -255,8 +275,19 @@ export async function fracture(mesh, settings = {}) {
         throw new BrittleError("invalid_argument", "weights must have a number for each site");
     for (const [name, value] of Object.entries({ ...rest, sites: placed ? 1 : sites })) check(name, value);
     if (!placed) rest.sites = sites;
-    return scoped(({ text, bytes }) => new Fracture(made(need()._web_fracture(mesh.address, text(JSON.stringify(rest)),
-        placed ? bytes(placed) : 0, heavier ? bytes(heavier) : 0, placed ? placed.length / 3 : 0), "_web_pieces_free")));
+    need().tell = (share) => {
+        if (share >= 0) onProgress?.(share);
+        return signal?.aborted || isCancelled?.() ? 1 : 0;
+    };
+    try {
+        return scoped(({ text, bytes }) => new Fracture(made(module._web_fracture(mesh.address, text(JSON.stringify(rest)),
+            placed ? bytes(placed) : 0, heavier ? bytes(heavier) : 0, placed ? placed.length / 3 : 0), "_web_pieces_free")));
+    } catch (error) {
+        signal?.throwIfAborted();
+        throw error;
+    } finally {
+        module.tell = null;
+    }
 }
 
 const KINDS = { sites: "count", seed: "count", cellsPerPiece: "count", detail: "count", pieceSize: "number",

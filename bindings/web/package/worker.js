@@ -1,0 +1,65 @@
+// The side of the worker: answers the calls of client.js, one after another.
+import { Mesh, fracture, init, load, shape } from "./brittle.js";
+
+const port = typeof self === "object" && self.postMessage ? self : (await import("node:worker_threads")).parentPort;
+const meshes = new Map();
+
+const WORK = {
+    async load({ id, bytes, extension }) { meshes.set(id, await load(bytes, extension)); },
+    async shape({ id, name }) { meshes.set(id, await shape(name)); },
+    async arrays({ id, positions, triangles, options }) {
+        await init();
+        meshes.set(id, new Mesh(positions, triangles, options));
+    },
+    async repair({ id, of }) { meshes.set(id, meshes.get(of).repair()); },
+    async unite({ id, of }) { meshes.set(id, meshes.get(of).unite()); },
+    async inspect({ of }) { return [meshes.get(of).inspect()]; },
+    async mesh({ of }) {
+        const { positions, triangles } = meshes.get(of);
+        return [{ positions, triangles }, [positions.buffer, triangles.buffer]];
+    },
+    async dispose({ of }) {
+        meshes.get(of)?.dispose();
+        meshes.delete(of);
+    },
+    async fracture({ of, settings, want, flag, call }) {
+        const begin = performance.now();
+        const broken = await fracture(meshes.get(of), settings, {
+            onProgress: (share) => port.postMessage({ call, share }),
+            isCancelled: flag ? () => Atomics.load(flag, 0) !== 0 : undefined,
+        });
+        try {
+            const milliseconds = performance.now() - begin;
+            const data = { ...broken.toData(want), milliseconds };
+            const buffers = new Set();
+            for (const group of [data.arrays, data.surfaces ?? {}, data.hulls ?? {}])
+                for (const value of Object.values(group)) buffers.add(value.buffer);
+            return [data, [...buffers]];
+        } finally {
+            broken.dispose();
+        }
+    },
+    async save({ of, settings, name }) {
+        const broken = await fracture(meshes.get(of), settings);
+        try {
+            const bytes = broken.toBytes(name);
+            return [bytes, [bytes.buffer]];
+        } finally {
+            broken.dispose();
+        }
+    },
+};
+
+let last = Promise.resolve();
+const answer = (message) => {
+    last = last.then(async () => {
+        try {
+            const [value, buffers = []] = await WORK[message.work](message) ?? [];
+            port.postMessage({ call: message.call, value }, buffers);
+        } catch (error) {
+            port.postMessage({ call: message.call, error: { status: error.status ?? "internal_error", message: error.message } });
+        }
+    });
+};
+if (port.on) port.on("message", answer);
+else port.onmessage = ({ data }) => answer(data);

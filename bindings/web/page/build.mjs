@@ -1,0 +1,55 @@
+// Bundles the page: node build.mjs NPM PACKAGE OUT. NPM: folder with node_modules; PACKAGE: the built npm package.
+import { createHash } from "node:crypto";
+import fs from "node:fs";
+import { createRequire } from "node:module";
+import path from "node:path";
+import { fileURLToPath } from "node:url";
+import { gzipSync } from "node:zlib";
+
+const [npm, library, out] = process.argv.slice(2).map((folder) => path.resolve(folder));
+const here = path.dirname(fileURLToPath(import.meta.url)), require = createRequire(path.join(npm, "package.json"));
+const { build } = require("esbuild");
+const MODELS = "/usr/share/glmark2/models"; // of Debian's glmark2-data
+
+fs.rmSync(out, { recursive: true, force: true });
+fs.mkdirSync(path.join(out, "models"), { recursive: true });
+
+const library_of = { "brittle-fracture/worker": "client.js", "brittle-fracture/three": "three.js" };
+const rapier = path.join(npm, "node_modules/@dimforge/rapier3d/rapier_wasm3d_bg.wasm");
+const resolve = {
+    name: "resolve",
+    setup(build) {
+        build.onResolve({ filter: /^brittle-fracture\// }, ({ path: name }) => ({ path: path.join(library, library_of[name]) }));
+        // Rapier imports its machine code as a module, which browsers do not do: fetch it.
+        build.onLoad({ filter: /rapier_wasm3d\.js$/ }, () => ({ contents: `
+            import * as glue from "./rapier_wasm3d_bg.js";
+            const { instance } = await WebAssembly.instantiateStreaming(fetch(new URL("rapier.wasm", import.meta.url)),
+                { "./rapier_wasm3d_bg.js": glue });
+            glue.__wbg_set_wasm(instance.exports);
+            instance.exports.__wbindgen_start?.();
+            export * from "./rapier_wasm3d_bg.js";` }));
+    },
+};
+const common = { bundle: true, minify: true, format: "esm", target: "es2022", outdir: out, legalComments: "eof", logLevel: "warning",
+                 nodePaths: [path.join(npm, "node_modules")], plugins: [resolve], external: ["node:*"] };
+await build({ ...common, entryPoints: [path.join(here, "main.js")], splitting: true });
+await build({ ...common, entryPoints: [path.join(library, "worker.js")] });
+
+for (const file of ["index.html", "style.css", "icon.svg"]) fs.copyFileSync(path.join(here, file), path.join(out, file));
+fs.copyFileSync(path.join(library, "brittle_wasm.wasm"), path.join(out, "brittle_wasm.wasm"));
+fs.copyFileSync(rapier, path.join(out, "rapier.wasm"));
+for (const file of ["bunny.obj", "horse.3ds", "cat.3ds"]) fs.copyFileSync(path.join(MODELS, file), path.join(out, "models", file));
+
+const files = fs.readdirSync(out, { recursive: true }).filter((file) => fs.statSync(path.join(out, file)).isFile()).sort();
+const hash = createHash("sha256");
+for (const file of files) hash.update(file).update(fs.readFileSync(path.join(out, file)));
+const offline = fs.readFileSync(path.join(here, "offline.js"), "utf8").replace("__VERSION__", `brittle-${hash.digest("hex").slice(0, 16)}`)
+    .replace("__FILES__", JSON.stringify(["./", ...files]));
+fs.writeFileSync(path.join(out, "offline.js"), offline);
+let code = 0;
+for (const file of [...files, "offline.js"]) {
+    const packed = gzipSync(fs.readFileSync(path.join(out, file)), { level: 9 });
+    fs.writeFileSync(path.join(out, `${file}.gz`), packed);
+    if (!file.startsWith("models/")) code += packed.length;
+}
+console.log(`${out}: ${(code / 1e6).toFixed(2)} MB without the models, compressed`);

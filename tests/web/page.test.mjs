@@ -1,0 +1,306 @@
+// The page in Debian's Chromium, on its software renderer, as a visitor uses it: mouse, touch, keys, files, links.
+// Pictures of each state are build/web/pictures; BRITTLE_UPDATE_GOLDENS=1 writes tests/web/goldens anew.
+import assert from "node:assert/strict";
+import { execFileSync, spawn } from "node:child_process";
+import fs from "node:fs";
+import { createRequire } from "node:module";
+import path from "node:path";
+import test from "node:test";
+
+import { load } from "../../build/web/brittle-fracture/brittle.js";
+
+const ROOT = new URL("../../", import.meta.url).pathname, PICTURES = path.join(ROOT, "build/web/pictures");
+const { chromium } = createRequire(path.join(ROOT, "build/web/package.json"))("playwright-core");
+const WEBGL = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"];
+const WAIT = { timeout: 60_000 };
+
+fs.mkdirSync(PICTURES, { recursive: true });
+const server = spawn("node", ["bindings/web/page/serve.mjs", "build/web", "build/web/page", "0"], { cwd: ROOT, stdio: ["ignore", "pipe", "inherit"] });
+const address = await new Promise((resolve) => server.stdout.once("data", (text) => resolve(String(text).trim())));
+const launch = (args) => chromium.launch({ executablePath: "/usr/bin/chromium", args: ["--no-sandbox", ...args] });
+const browser = await launch(WEBGL);
+test.after(async () => {
+    await browser.close();
+    server.kill();
+});
+
+/** Opens the page, waits until a model stands there, and fails on any error of its scripts. */
+async function visit(hash = "", options = {}) {
+    const context = await browser.newContext({ viewport: { width: 960, height: 640 }, ...options }), page = await context.newPage();
+    page.errors = [];
+    page.on("pageerror", (error) => page.errors.push(error.message));
+    page.on("console", (message) => message.type() === "error" && page.errors.push(message.text()));
+    page.setDefaultTimeout(WAIT.timeout);
+    await page.goto(`${address}?fixed${hash}`);
+    await page.waitForSelector("body[data-opened]", WAIT);
+    page.leave = async () => {
+        assert.deepEqual(page.errors, []);
+        await context.close();
+    };
+    return page;
+}
+
+const ready = (page) => page.waitForSelector('body[data-state="ready"]', WAIT);
+/** A number of all poses, when nothing moves any more. */
+const rested = async (page) => {
+    await page.waitForSelector('body[data-moving="false"][data-poses]', { timeout: 120_000 });
+    return page.evaluate(() => document.body.dataset.poses);
+};
+const text = (page, id) => page.locator(`#${id}`).innerText();
+const broken = async (page) => {
+    await page.waitForSelector("#certificate:not([hidden])", WAIT);
+    await ready(page);
+    return { pieces: Number((await text(page, "c-pieces")).replace(",", "")), closed: await text(page, "c-closed"), hash: await text(page, "c-hash") };
+};
+const middle = { x: 320, y: 300 };
+
+/** Compares the picture with the golden, text and panel masked: the mean difference of small, blurred versions. */
+async function golden(page, name) {
+    const file = path.join(PICTURES, `${name}.png`), expected = path.join(ROOT, "tests/web/goldens", `${name}.png`);
+    await page.screenshot({ path: path.join(PICTURES, `${name}_all.png`) });
+    await page.screenshot({ path: file, mask: ["#panel", "#hint", "#certificate", "#notice"].map((id) => page.locator(id)), maskColor: "#808080" });
+    if (process.env.BRITTLE_UPDATE_GOLDENS === "1") fs.copyFileSync(file, expected);
+    const small = (of) => execFileSync("convert", [of, "-resize", "120x", "-depth", "8", "rgb:-"], { maxBuffer: 1 << 24 });
+    const [a, b] = [small(file), small(expected)];
+    assert.equal(a.length, b.length);
+    const far = a.reduce((sum, value, k) => sum + (Math.abs(value - b[k]) > 24 ? 1 : 0), 0) / a.length;
+    assert.ok(far < 0.004, `${file} differs from ${expected} in ${(100 * far).toFixed(2)} % of its pixels`);
+}
+
+test("a click breaks the statue where it strikes, another one breaks it further", async () => {
+    const page = await visit("#sites=60");
+    assert.equal(await page.locator("#certificate").isVisible(), false);
+    await golden(page, "whole");
+    await page.mouse.click(middle.x, middle.y);
+    const first = await broken(page);
+    assert.ok(first.pieces >= 55 && first.pieces <= 90, `${first.pieces} pieces`);
+    assert.equal(first.closed, "all");
+    await rested(page);
+    await page.mouse.click(320, 560);
+    await page.waitForFunction((hash) => document.getElementById("c-hash").textContent !== hash, first.hash, WAIT);
+    const second = await broken(page);
+    assert.equal(second.closed, "all");
+    assert.ok(page.url().includes("blows=0_0_"));
+    assert.equal(new URLSearchParams(new URL(page.url()).hash.slice(1)).get("blows").split("*").length, 2);
+    await page.leave();
+});
+
+test("a drag turns the view and breaks nothing; R makes whole again; B breaks all; Enter strikes the middle", async () => {
+    const page = await visit("#model=vase&material=ceramic&sites=30");
+    await page.mouse.move(middle.x, middle.y);
+    await page.mouse.down();
+    await page.mouse.move(middle.x + 120, middle.y, { steps: 5 });
+    await page.mouse.up();
+    await page.waitForTimeout(300);
+    assert.equal(await page.locator("#certificate").isVisible(), false);
+    await page.keyboard.press("b");
+    await broken(page);
+    assert.match(page.url(), /blows=/);
+    await page.keyboard.press("r");
+    await page.waitForSelector("#certificate", { state: "hidden" });
+    assert.doesNotMatch(page.url(), /blows=/);
+    await page.locator("#view").focus();
+    await page.keyboard.press("Enter");
+    await broken(page);
+    for (const key of ["ArrowLeft", "ArrowUp", "+", "-", "x", "Space"]) await page.keyboard.press(key);
+    assert.equal(await page.locator("#explode").inputValue(), "0.6");
+    assert.equal(await page.locator('output[for="speed"]').innerText(), "paused");
+    await page.leave();
+});
+
+test("a touch breaks it on a phone; the settings unfold", async () => {
+    const page = await visit("#model=vase&material=ceramic&sites=60&roughness=0.3", { viewport: { width: 390, height: 780 }, hasTouch: true, isMobile: true });
+    assert.equal(await page.locator("#controls").isVisible(), false);
+    await page.touchscreen.tap(195, 330);
+    await broken(page);
+    await rested(page);
+    await golden(page, "phone");
+    await page.locator("#fold").tap();
+    await page.locator("#gallery").getByText("Knot").tap();
+    await page.waitForFunction(() => location.hash.includes("model=torus_knot"), undefined, WAIT);
+    const box = await page.locator("#panel").boundingBox();
+    assert.ok(box.y >= 0 && box.y + box.height <= 780 && box.x >= 0 && box.x + box.width <= 390);
+    assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth));
+    await page.leave();
+});
+
+test("settings change the break; the seed too", async () => {
+    const page = await visit("#model=animal&sites=20&roughness=0"), hashes = new Set();
+    const once = async () => {
+        await page.mouse.click(middle.x, middle.y);
+        hashes.add((await broken(page)).hash);
+        await page.keyboard.press("r");
+        await page.waitForSelector("#certificate", { state: "hidden" });
+    };
+    await once();
+    await once(); // equal settings, equal pieces
+    assert.equal(hashes.size, 1);
+    await page.locator("#seed").fill("7");
+    await page.locator("#seed").press("Tab");
+    await page.locator("#view").focus();
+    await once();
+    await page.locator("#material").selectOption("wood");
+    assert.equal(await page.locator("#roughness").inputValue(), "1");
+    await page.locator("#view").focus();
+    await once();
+    assert.equal(hashes.size, 3);
+    await page.leave();
+});
+
+test("a link breaks the same pieces in the same way, in the dark too", async () => {
+    const page = await visit("#model=vase&material=stone&sites=30&roughness=0.3&seed=4");
+    await page.mouse.click(320, 300);
+    await broken(page);
+    await page.waitForTimeout(700);
+    await page.mouse.click(320, 250);
+    await page.waitForFunction(() => location.hash.includes("*"), undefined, WAIT);
+    await ready(page);
+    const link = new URL(page.url()).hash, poses = await rested(page);
+    await page.leave();
+    const other = await visit(link);
+    assert.match(await text(other, "c-same"), /bit for bit/);
+    assert.equal(await rested(other), poses, "the pieces lie elsewhere");
+    await other.leave();
+    const dark = await visit("#model=statue&material=stone&sites=40&roughness=0.4&seed=1&blows=0_0_0.18_2.5_0.0474_0.0786_0.036_-0.539_-0.174_-0.824",
+        { colorScheme: "dark" });
+    await broken(dark);
+    assert.equal(await dark.locator("#c-same").isVisible(), false); // the link has no hash
+    await rested(dark);
+    await golden(dark, "dark");
+    await dark.leave();
+    const damaged = await visit("#model=vase&sites=many&material=stone&blows=1_2_x");
+    assert.match(await text(damaged, "notice"), /damaged.*sites=many, blow 1/s);
+    await damaged.leave();
+});
+
+/** A file as the visitor chooses it. */
+const choose = (page, name, buffer) => page.locator("#file").setInputFiles({ name, mimeType: "", buffer });
+
+test("files: broken ones say so and nothing is lost; open ones are repaired; crossing ones united", async () => {
+    const page = await visit("#model=vase");
+    const noticed = async (words) => {
+        await page.waitForSelector("#notice:not([hidden])", WAIT);
+        assert.match(await text(page, "notice"), words);
+        await ready(page);
+    };
+    const close = () => page.locator("#close").click();
+    await choose(page, "damaged.glb", Buffer.from("glTF but not quite"));
+    await noticed(/damaged|truncated|GLB|glTF/i);
+    await close();
+    await choose(page, "notes.txt", Buffer.from("hello"));
+    await noticed(/notes\.txt is no mesh/);
+    await close();
+    await choose(page, "empty.obj", Buffer.alloc(0));
+    await noticed(/triangle|empty/i);
+    await close();
+    assert.match(page.url(), /model=vase/); // still there
+    await page.mouse.click(middle.x, middle.y);
+    await broken(page);
+
+    const cube = (x) => [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]]
+        .map(([a, b, c]) => `v ${a + x} ${b + x / 3} ${c + x / 5}`).join("\n");
+    const faces = (first) => ["1 4 3 2", "5 6 7 8", "1 2 6 5", "2 3 7 6", "3 4 8 7", "4 1 5 8"]
+        .map((face) => `f ${face.split(" ").map((v) => Number(v) + first).join(" ")}`);
+    await choose(page, "open.obj", Buffer.from([cube(0), ...faces(0).slice(1)].join("\n")));
+    await noticed(/open\.obj: 4 open edges.*holes/is);
+    await page.locator("#mend").click();
+    await page.waitForFunction(() => location.hash.includes("model=open.obj"), undefined, WAIT);
+    await page.locator("#view").focus();
+    await page.keyboard.press("b");
+    assert.equal((await broken(page)).closed, "all");
+
+    await choose(page, "kit.obj", Buffer.from([cube(0), ...faces(0), cube(0.4), ...faces(8)].join("\n")));
+    await noticed(/2 parts pass through each other/);
+    await page.locator("#mend").click();
+    await page.waitForFunction(() => document.getElementById("notice").hidden, undefined, WAIT);
+    await ready(page);
+    await page.keyboard.press("b");
+    assert.equal((await broken(page)).closed, "all");
+    await page.leave();
+});
+
+test("a file of 100 MB is read, and can be cancelled", async () => {
+    const page = await visit("#model=vase"), triangles = 2_000_000, stl = Buffer.alloc(84 + 50 * triangles);
+    stl.writeUInt32LE(triangles, 80);
+    for (let t = 0; t < triangles; ++t) // tetrahedra in a row
+        for (let k = 0; k < 3; ++k) {
+            const corner = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]][t & 3][k], at = 84 + 50 * t + 12 + 12 * k;
+            stl.writeFloatLE((corner === 1 ? 1 : 0) + 2 * (t >> 2), at);
+            stl.writeFloatLE(corner === 2 ? 1 : 0, at + 4);
+            stl.writeFloatLE(corner === 3 ? 1 : 0, at + 8);
+        }
+    const file = path.join(ROOT, "build/web/large.stl");
+    fs.writeFileSync(file, stl);
+    try {
+        await page.locator("#file").setInputFiles(file);
+        await page.waitForSelector("#progress:not([hidden])", WAIT);
+        await page.keyboard.press("Escape");
+        await ready(page);
+        assert.equal(await text(page, "hint"), "Cancelled");
+        assert.match(page.url(), /model=vase/);
+        await page.mouse.click(middle.x, middle.y);
+        assert.equal((await broken(page)).closed, "all");
+    } finally {
+        fs.rmSync(file);
+    }
+    await page.leave();
+});
+
+test("the export holds the pieces where they lie", async () => {
+    const page = await visit("#model=animal&sites=15&roughness=0");
+    await page.mouse.click(middle.x, middle.y);
+    await broken(page);
+    await rested(page);
+    const pieces = await page.evaluate(() => Number(document.getElementById("c-pieces").textContent));
+    const [download] = await Promise.all([page.waitForEvent("download"), page.keyboard.press("e")]);
+    assert.equal(download.suggestedFilename(), "animal_pieces.glb");
+    const bytes = fs.readFileSync(await download.path());
+    const json = JSON.parse(bytes.subarray(20, 20 + bytes.readUInt32LE(12)).toString());
+    assert.equal(json.nodes.filter(({ name }) => /^piece_\d{4}$/.test(name)).length, pieces);
+    assert.deepEqual(json.materials.map(({ name }) => name).sort(), ["inside", "outside"]);
+    const mesh = await load(bytes, ".glb"), { min } = mesh.inspect();
+    assert.ok(min[1] > -0.02, `the lowest point is at ${min[1]}`); // nothing sank into the ground
+    await page.leave();
+});
+
+test("the page works without a network after the first visit", async () => {
+    const context = await browser.newContext({ viewport: { width: 960, height: 640 } }), page = await context.newPage();
+    await page.goto(address);
+    await page.waitForSelector("body[data-opened]", WAIT);
+    await page.evaluate(() => navigator.serviceWorker.ready);
+    await page.waitForFunction(() => navigator.serviceWorker.controller !== null, undefined, WAIT);
+    await context.setOffline(true);
+    await page.goto(`${address}#model=bunny`);
+    await page.reload();
+    await page.waitForSelector("body[data-opened]", WAIT);
+    await page.mouse.click(300, 360);
+    assert.equal((await broken(page)).closed, "all");
+    await context.close();
+});
+
+test("without WebGL the page says what is missing", async () => {
+    const plain = await launch(["--disable-gpu", "--disable-webgl", "--disable-3d-apis"]);
+    try {
+        const page = await plain.newPage();
+        await page.goto(address);
+        await page.waitForSelector('body[data-state="failed"]', WAIT);
+        assert.match(await page.locator(".fatal").innerText(), /WebGL 2.*hardware acceleration/s);
+    } finally {
+        await plain.close();
+    }
+});
+
+test("the library gives the hashes of the command line in Chromium", async () => {
+    const page = await visit("#model=vase");
+    const printed = execFileSync(path.join(ROOT, "build/release/bin/brittle"),
+        ["fracture", "/usr/share/glmark2/models/bunny.obj", "-n", "100", "-o", path.join(ROOT, "build/web/pieces.ply")], { encoding: "utf8" });
+    await page.addScriptTag({ type: "module", content: `
+        const worker = new Worker("worker.js", { type: "module" });
+        const bytes = new Uint8Array(await (await fetch("models/bunny.obj")).arrayBuffer());
+        worker.onmessage = ({ data }) => { if (data.call === 2 && data.value) document.body.dataset.hash = data.value.certificate.hash; };
+        worker.postMessage({ call: 1, work: "load", id: 1, bytes, extension: ".obj" });
+        worker.postMessage({ call: 2, work: "fracture", of: 1, settings: { sites: 100 }, want: {} });` });
+    await page.waitForSelector("body[data-hash]", WAIT);
+    assert.equal(await page.evaluate(() => document.body.dataset.hash), /^ *hash +([0-9a-f]{16})/m.exec(printed)[1]);
+    await page.leave();
+});
