@@ -2,8 +2,10 @@
 #include "tools/brittle/run/scene.h"
 
 #include <algorithm>
+#include <functional>
 #include <map>
 #include <optional>
+#include <tuple>
 
 #include <doctest/doctest.h>
 #include <glm/geometric.hpp>
@@ -14,6 +16,7 @@
 #include "tests/tools/replays.h"
 #include "tests/tools/support.h"
 #include "tools/brittle/recipe/recipe.h"
+#include "tools/brittle/run/scene_cache.h"
 
 using namespace brittle;
 using namespace brittle::tools;
@@ -230,6 +233,91 @@ TEST_CASE("scene: objects that differ in place alone share mesh and solids") {
     CHECK(objects[0].bodies.solids[0] == objects[1].bodies.solids[0]);
     CHECK(objects[0].bodies.solids[0] != objects[2].bodies.solids[0]); // another density
     CHECK(objects[0].bodies.solids[0] != objects[3].bodies.solids[0]);
+}
+
+TEST_CASE("scene: edits with a cache make the pieces and states of a fresh load, and only what changed anew") {
+    const Folder folder;
+    const auto spike = [](double height) {
+        return "v 0 0 0\nv 1 0 0\nv 0 " + std::to_string(height) + " 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+    };
+    const std::string file = folder.write("spike.obj", spike(1.0)).string();
+    const std::string sheet = folder.write("sheet.obj", "v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 3 2\n").string();
+    FractureOptions scene = scene_of(
+        R"({"name": "floor", "mesh": "shape:cube", "scale": [9, 0.1, 9], "fixed": true},
+        {"name": "vase", "mesh": "shape:vase", "material": "ceramic", "translation": [0, 2, 0]},
+        {"name": "twin", "mesh": "shape:vase", "material": "ceramic", "translation": [2, 2, 0]},
+        {"name": "wall", "mesh": "shape:wall", "material": "brick", "translation": [-3, 1, 0], "scale": 0.3, "bonded": true,
+         "anchored": true, "roughness": 0.5},
+        {"name": "sheet", "mesh": ")"
+        + sheet + R"("},
+        {"name": "spike", "mesh": ")"
+        + file + R"(", "translation": [4, 1, 0], "shattered": true,
+         "pattern": {"type": "uniform", "count": 5}})");
+    SceneCache cache;
+    const auto solids_of = [&](SceneCache* with) {
+        LoadedScene loaded = load_scene(scene, with);
+        std::vector<PreparedObject> objects = prepare_scene(loaded, {}, {}, with);
+        std::vector<const physics::SolidPiece*> first; // of each object; the cache keeps them
+        for (const PreparedObject& object : objects) first.push_back(object.bodies.solids[0].get());
+        Simulation simulation;
+        const uint64_t pieces = pieces_hash(objects);
+        simulation.start(std::move(objects), loaded.world);
+        for (int step = 0; step < 40; ++step) simulation.step();
+        return std::tuple(first, pieces, simulation.state_hash(), loaded.notes);
+    };
+    auto before = std::get<0>(solids_of(&cache));
+    // Edits, and the objects that they change.
+    struct Change {
+        const char* what;
+        std::function<void()> make;
+        std::vector<bool> anew;
+    };
+    const auto placement = [&](size_t k) -> ObjectPlacement& { return scene.objects[k].placement; };
+    const std::vector<Change> changes{
+        {"nothing", [] {}, {false, false, false, false, false, false}},
+        {"places",
+         [&] { placement(1).translation.x = -0.5, placement(5).rotation.y = 30.0; },
+         {false, false, false, false, false, false}},
+        {"an anchored object turned",
+         [&] { placement(3).rotation.x = 90.0; },
+         {false, false, false, true, false, false}},
+        {"scale", [&] { placement(5).scale.y = 2.0; }, {false, false, false, false, false, true}},
+        {"material", [&] { scene.objects[2].recipe.material = "glass"; }, {false, false, true, false, false, false}},
+        {"back",
+         [&] { scene.objects[2].recipe.material = "ceramic"; },
+         {false, false, true, false, false, false}}, // the twin of the vase again
+        {"seed of what starts whole",
+         [&] { scene.objects[1].recipe.pattern.seed = 9; },
+         {false, true, true, false, false, false}},
+        {"name of an automatic pattern",
+         [&] { scene.objects[3].name = "other wall"; },
+         {false, false, false, true, false, false}},
+        {"strength", [&] { scene.objects[3].recipe.world.strength = 0.5; }, {false, false, false, true, false, false}},
+        {"pattern", [&] { scene.objects[5].recipe.pattern.count = 7; }, {false, false, false, false, false, true}},
+        {"kind", [&] { scene.objects[1].fixed = true; }, {false, true, true, false, false, false}},
+        {"units", [&] { scene.units = LengthUnit::centimetre; }, {true, true, true, true, true, true}},
+        {"file", [&] { folder.write("spike.obj", spike(12.5)); }, {false, false, false, false, false, true}}};
+    for (const Change& change : changes) {
+        CAPTURE(std::string(change.what));
+        change.make();
+        const auto [cached, pieces, state, notes] = solids_of(&cache);
+        const auto [fresh, fresh_pieces, fresh_state, fresh_notes] = solids_of(nullptr);
+        CHECK(pieces == fresh_pieces);
+        CHECK(state == fresh_state);
+        CHECK(notes == fresh_notes);
+        for (size_t k = 0; k < cached.size(); ++k) {
+            CAPTURE(k);
+            CHECK((cached[k] != before[k]) == change.anew[k]);
+        }
+        before = cached;
+    }
+    for (int k = 0; k < 60; ++k) { // what is not used is forgotten
+        placement(5).scale.y = 1.0 + 0.01 * k;
+        LoadedScene loaded = load_scene(scene, &cache);
+        (void)prepare_scene(loaded, {}, {}, &cache);
+    }
+    CHECK(cache.meshes.size() < 20);
+    CHECK(cache.prepared.size() < 20);
 }
 
 TEST_CASE("scene: every kind of object in one world does what it says") {

@@ -1,4 +1,5 @@
 // The studio's session with a scene of several objects, on a real renderer without a window.
+#include <cmath>
 #include <filesystem>
 #include <string>
 
@@ -202,4 +203,104 @@ TEST_CASE("studio scene: an object that cannot be broken is named") {
     Room room(options);
     if (!room.device) return;
     CHECK(room.session->activity().message().text.find("sheet stays whole and fixed") == 0);
+}
+
+TEST_CASE("studio scene: what is moved is drawn there at once, and stands there once the mouse is released") {
+    const Folder folder;
+    Room room(table_top(folder));
+    if (!room.device) return;
+    Session& session = *room.session;
+    session.select(1, false);
+    (void)room.picture();
+    const auto start = session.stage().simulation().state_hash();
+    session.preview().held = true;
+    const uint64_t gesture = session.begin_gesture();
+    for (int k = 1; k <= 5; ++k) {
+        session.change_selected(
+            [k](SceneObject& object) {
+                object.placement.translation.x = 0.5 - 0.4 * k;
+                object.placement.rotation.z = 9.0 * k; // 45 degrees at the end
+            },
+            gesture);
+        session.update(frame);
+        CHECK_FALSE(session.activity().busy()); // nothing is read
+    }
+    CHECK(session.stage().simulation().state_hash() == start);
+    CHECK(session.middle_of_selected()->x == doctest::Approx(-1.5));
+    (void)room.picture(); // poses are those that are drawn
+    REQUIRE(below(session, -1.5));
+    CHECK(below(session, -1.5)->point.y == doctest::Approx(1.0 + 0.2 * std::sqrt(2.0)));
+    CHECK(below(session, 0.5)->point.y == doctest::Approx(0.0)); // the floor
+    CHECK_FALSE(session.quiet());
+    session.preview().held = false;
+    REQUIRE(room.soon([&] { return session.quiet(); }));
+    CHECK(session.stage().simulation().state_hash() != start);
+    CHECK(below(session, -1.5)->point.y == doctest::Approx(1.0 + 0.2 * std::sqrt(2.0)));
+
+    session.undo(); // the whole gesture; a blow does not wait for the stage
+    (void)room.picture();
+    session.strike(*below(session, 0.5), down);
+    CHECK(session.playing());
+    REQUIRE(room.soon([&] { return session.counts()->pieces > 3; }));
+    session.files().save_replay(folder.path / "run.log");
+    CHECK(run_brittle(folder, "replay " + folder / "run.log").exit_code == exit_success);
+    session.change_selected([](SceneObject& object) { object.placement.translation.y = 2.0; }); // while it is played
+    CHECK_FALSE(session.playing());
+    CHECK(below(session, 0.5)->point.y == doctest::Approx(2.2));
+}
+
+TEST_CASE("studio scene: time begins once the edits before it are on the stage") {
+    const Folder folder;
+    Room room(table_top(folder));
+    if (!room.device) return;
+    Session& session = *room.session;
+    session.select(1, false);
+    session.change_selected([](SceneObject& object) { object.placement.scale *= 2.0; });
+    session.break_all();
+    CHECK_FALSE(session.playing());
+    REQUIRE(room.soon([&] { return session.playing(); }));
+    CHECK(session.object().scene().objects[1].box.max.y == doctest::Approx(1.4));
+    session.reset();
+    CHECK_FALSE(session.playing());
+    session.change_selected([](SceneObject& object) { object.placement.translation.y = 3.0; });
+    session.break_all(); // a change of place is there at once
+    CHECK(session.playing());
+}
+
+TEST_CASE("studio scene: an anchored object that is turned is held by its new foot") {
+    const Folder folder;
+    FractureOptions options;
+    read_recipe(folder.write("scene.json", R"({"brittle": 2, "objects": [
+        {"name": "post", "mesh": "shape:cube", "material": "stone", "scale": [0.1, 1, 0.1], "translation": [0, 2, 0],
+         "anchored": true}]})"),
+                options);
+    Room room(options);
+    if (!room.device) return;
+    Session& session = *room.session;
+    session.select(0, false);
+    session.change_selected([](SceneObject& object) { object.placement.rotation.z = 90.0; });
+    REQUIRE(room.soon([&] { return session.quiet(); }));
+    session.files().save_recipe(folder.path / "turned.json");
+    FractureOptions turned;
+    read_recipe(folder.path / "turned.json", turned);
+    LoadedScene loaded = load_scene(turned);
+    Simulation fresh;
+    fresh.start(prepare_scene(loaded), loaded.world);
+    CHECK(session.stage().simulation().state_hash() == fresh.state_hash());
+}
+
+TEST_CASE("studio scene: undo of an edit that could not be read keeps the stage, and takes the message back") {
+    const Folder folder;
+    Room room(table_top(folder));
+    if (!room.device) return;
+    Session& session = *room.session;
+    const Stage* stage = &session.stage();
+    session.select(1, false);
+    session.change_selected([](SceneObject& object) { object.recipe.mesh = "missing.obj"; });
+    REQUIRE(room.soon([&] { return session.activity().message().fault; }));
+    session.undo();
+    CHECK_FALSE(session.activity().busy());
+    CHECK_FALSE(session.activity().message().fault);
+    CHECK(&session.stage() == stage);
+    CHECK(session.quiet());
 }

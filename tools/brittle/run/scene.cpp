@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -15,7 +16,6 @@
 #include <nlohmann/json.hpp>
 
 #include "fracture/base/threads.h"
-#include "fracture/io/import.h"
 #include "fracture/io/text_cursor.h"
 #include "fracture/mesh/mass_properties.h"
 #include "fracture/mesh/topology.h"
@@ -25,6 +25,7 @@
 #include "tools/brittle/recipe/level.h"
 #include "tools/brittle/recipe/recipe.h"
 #include "tools/brittle/recipe/world_json.h"
+#include "tools/brittle/run/scene_cache.h"
 
 namespace brittle::tools {
 
@@ -36,56 +37,8 @@ bool is_cut_at_start(const SceneObject& object) {
     return !object.fixed && (object.recipe.world.bonded || object.shattered);
 }
 
-// The files and shapes of a scene, each read once.
-class MeshFiles {
-  public:
-    // The mesh of an object as its file has it. Throws a Failure.
-    const TriangleMesh& mesh_of(const SceneObject& object) {
-        if (const std::optional<uint32_t> mesh = index_of(object))
-            return scene_of(object.recipe.mesh).meshes[*mesh].mesh;
-        auto at = whole_.find(object.recipe.mesh);
-        if (at == whole_.end())
-            at = whole_.emplace(object.recipe.mesh, load_mesh_only(object.recipe.mesh).model.mesh).first;
-        return at->second;
-    }
-
-    // Throws a Failure.
-    const fracture::MeshScene& scene_of(const std::string& file) { return content_of(file).scene; }
-
-    // Index of an object's mesh in its file; nothing where the object is no node. Throws a Failure.
-    std::optional<uint32_t> index_of(const SceneObject& object) {
-        if (object.node.empty()) return std::nullopt;
-        const Content& content = content_of(object.recipe.mesh);
-        const auto mesh = content.mesh_of.find(object.node);
-        if (mesh != content.mesh_of.end()) return mesh->second;
-        constexpr size_t max_listed = 10;
-        std::string names;
-        for (size_t k = 0; k < std::min(max_listed, content.scene.nodes.size()); ++k)
-            names += (k > 0 ? ", " : "") + fracture::printable(content.scene.nodes[k].name);
-        throw Failure(exit_input, object.recipe.mesh + " has no node " + shown(object.node)
-                                      + " that shows a mesh; its nodes are: " + names
-                                      + (content.scene.nodes.size() > max_listed ? ", ..." : ""));
-    }
-
-  private:
-    struct Content {
-        fracture::MeshScene scene;
-        std::map<std::string, uint32_t> mesh_of; // by name of the node
-    };
-
-    const Content& content_of(const std::string& file) {
-        if (const auto known = nodes_.find(file); known != nodes_.end()) return known->second;
-        Content content{must(fracture::import_scene(file)), {}};
-        for (const fracture::SceneNode& node : content.scene.nodes) content.mesh_of[node.name] = node.mesh;
-        return nodes_.emplace(file, std::move(content)).first->second;
-    }
-
-    std::map<std::string, Content> nodes_;      // glTF files of which objects name nodes
-    std::map<std::string, TriangleMesh> whole_; // other files, and shapes
-};
-
 // Equal for objects whose meshes, and sites where they are cut at the start, are equal.
-std::string mesh_key(const SceneObject& object, MeshFiles& files) {
+std::string mesh_key(const SceneObject& object, LengthUnit units, MeshFiles& files) {
     FractureOptions mesh;
     if (is_cut_at_start(object)) mesh = object.recipe;
     mesh.mesh = object.recipe.mesh;
@@ -93,7 +46,8 @@ std::string mesh_key(const SceneObject& object, MeshFiles& files) {
     mesh.unite = object.recipe.unite;
     const std::optional<uint32_t> in_file = files.index_of(object);
     return recipe_json(mesh) + (in_file ? std::to_string(*in_file) : "") + text_of(vector_json(object.placement.shear))
-           + text_of(vector_json(object.placement.scale)) + (object.fixed ? " fixed" : "");
+           + text_of(vector_json(object.placement.scale)) + (object.fixed ? " fixed" : "") + to_string(units)
+           + stamp_of(mesh.mesh) + " " + stamp_of(mesh.sites_file);
 }
 
 // Equal for objects of one mesh whose solids are equal. The place counts where the lowest part is anchored.
@@ -102,6 +56,12 @@ std::string solid_key(const SceneObject& object) {
     if (!is_cut_at_start(object)) own.pattern.seed = 0;
     const std::string turn = own.world.anchored ? text_of(vector_json(object.placement.rotation)) : "";
     return recipe_json(own) + turn + (object.shattered ? " shattered" : "") + (object.fixed ? " fixed" : "");
+}
+
+// Equal for objects of one mesh that are prepared alike, blows to come included.
+std::string prepared_key(const SceneObject& object) {
+    const FractureOptions& own = object.recipe; // its seed decides blows, also where it starts whole
+    return solid_key(object) + " " + std::to_string(own.pattern.seed) + " " + stamp_of(own.sites_file);
 }
 
 // Loads an object's mesh, in metres of the object, ready for a fracture unless it is fixed.
@@ -127,11 +87,6 @@ Input load_object(const SceneObject& object, LengthUnit units, MeshFiles& files)
     }
     return input;
 }
-
-struct LoadedMesh {
-    std::shared_ptr<const Input> input;
-    std::string fault; // why the mesh cannot be broken
-};
 
 // Turns an object whose mesh cannot be broken into a fixed one.
 void fix(SceneObject& object) {
@@ -200,10 +155,14 @@ fracture::Box home_of(std::span<const LoadedObject> objects) {
 }
 
 fracture::Box box_in_world(const TriangleMesh& mesh, const physics::Pose& placement) {
-    std::vector<glm::dvec3> placed;
-    for (const glm::dvec3& p : mesh.positions)
-        placed.push_back(glm::dvec3(placement.position) + glm::dquat(placement.orientation) * p);
-    return fracture::bounds(placed);
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    fracture::Box box{glm::dvec3(infinity), glm::dvec3(-infinity)};
+    const glm::dquat turn(placement.orientation);
+    for (const glm::dvec3& p : mesh.positions) {
+        const glm::dvec3 placed = glm::dvec3(placement.position) + turn * p;
+        box = {glm::min(box.min, placed), glm::max(box.max, placed)};
+    }
+    return mesh.positions.empty() ? fracture::Box{} : box;
 }
 
 } // namespace
@@ -217,31 +176,46 @@ std::vector<std::string> expand_level(FractureOptions& scene) {
     return notes;
 }
 
-LoadedScene load_scene(const FractureOptions& scene) {
+void place(LoadedObject& object, const ObjectPlacement& placement) {
+    object.object.placement = placement;
+    object.placement = {glm::vec3(placement.translation), glm::quat(rotation_of(placement))};
+    object.box = box_in_world(object.input->model.mesh, object.placement);
+}
+
+void find_home(LoadedScene& scene) {
+    scene.home = home_of(scene.objects);
+}
+
+LoadedScene load_scene(const FractureOptions& scene, SceneCache* cache) {
     const InterruptDeadline deadline;
     LoadedScene loaded{.world = scene.world, .threads = scene.threads};
     loaded.world.height = 0.0;
-    MeshFiles files;
-    std::map<std::string, LoadedMesh> meshes;
+    SceneCache own;
+    auto& [files, meshes, prepared] = cache ? *cache : own;
     for (const SceneObject& object : objects_of(scene, files, loaded.notes)) {
         throw_if_interrupted();
         LoadedObject& made = loaded.objects.emplace_back(LoadedObject{object, nullptr, {}, {}, false});
-        made.placement = {glm::vec3(object.placement.translation), glm::quat(rotation_of(object.placement))};
         try {
-            LoadedMesh& mesh = meshes[mesh_key(object, files)];
-            if (!mesh.input) mesh = load(object, scene.units, files);
-            if (!mesh.fault.empty()) {
-                loaded.notes.push_back(note_of(object, mesh.fault));
+            const std::string key = mesh_key(object, scene.units, files);
+            const LoadedMesh* mesh = meshes.find(key);
+            if (!mesh) mesh = &meshes.add(key, load(object, scene.units, files));
+            if (!mesh->fault.empty()) {
+                loaded.notes.push_back(note_of(object, mesh->fault));
                 fix(made.object);
                 made.refused = true;
             }
-            made.input = mesh.input;
-            made.box = box_in_world(mesh.input->model.mesh, made.placement);
+            made.input = mesh->input;
+            place(made, object.placement);
         } catch (const Failure& failure) {
             throw Failure(failure.code(), "object " + object.name + ": " + failure.what());
         }
     }
-    loaded.home = home_of(loaded.objects);
+    find_home(loaded);
+    if (!cache) return loaded;
+    std::set<std::string> used{scene.level.mesh};
+    for (const LoadedObject& object : loaded.objects) used.insert(object.object.recipe.mesh);
+    files.keep_only(used);
+    meshes.end_round();
     return loaded;
 }
 
@@ -271,7 +245,7 @@ struct Work {
     size_t like = 0; // the object whose solids it shares: itself, or an earlier one
     std::optional<PreparedObject> made{};
     std::optional<Failure> failure{};
-    std::string note{};
+    std::string fault{}; // why it cannot be cut, so that it became fixed
 };
 
 // An object that turns out not to be breakable only when it is cut, such as one that passes through itself, becomes
@@ -281,7 +255,7 @@ void prepare_or_fix(LoadedObject& loaded, const physics::PayloadMaker& payload, 
         work.made = prepare_object(loaded, payload, threads);
     } catch (const Failure& failure) {
         if (failure.code() != exit_mesh || loaded.object.fixed) throw;
-        work.note = note_of(loaded.object, failure.what());
+        work.fault = failure.what();
         fix(loaded.object);
         work.made = prepare_object(loaded, payload, threads);
     }
@@ -289,13 +263,21 @@ void prepare_or_fix(LoadedObject& loaded, const physics::PayloadMaker& payload, 
 
 void copy_prepared(const PreparedObject& like, LoadedObject& loaded, const physics::PayloadMaker& payload, Work& work) {
     if (like.fixed() && !loaded.object.fixed) {
-        work.note = note_of(loaded.object, "as " + like.name);
+        work.fault = "as " + like.name;
         fix(loaded.object);
     }
     PreparedObject& copy = work.made.emplace(copy_of(like, payload, 1));
     copy.name = loaded.object.name;
     copy.placement = loaded.placement;
     copy.world.seed = loaded.object.recipe.pattern.seed;
+}
+
+void take_prepared(const PreparedOnce& known, LoadedObject& loaded, const physics::PayloadMaker& payload, Work& work) {
+    if (!known.fault.empty()) fix(loaded.object);
+    work.fault = known.fault;
+    PreparedObject& made = work.made.emplace(copy_of(known.object, payload, 1));
+    made.name = loaded.object.name;
+    made.placement = loaded.placement;
 }
 
 std::vector<Work> work_of(const LoadedScene& scene) {
@@ -317,14 +299,21 @@ size_t cost_of(const LoadedObject& loaded) {
 } // namespace
 
 std::vector<PreparedObject> prepare_scene(LoadedScene& scene, const physics::PayloadMaker& payload,
-                                          const std::function<void(double)>& progress) {
+                                          const std::function<void(double)>& progress, SceneCache* cache) {
     std::vector<Work> work = work_of(scene);
+    using Key = std::pair<std::shared_ptr<const Input>, std::string>;
+    std::vector<Key> keys(work.size()); // of originals
+    std::vector<const PreparedOnce*> known(work.size());
     std::vector<size_t> originals, copies;
     size_t cost = 0;
     for (size_t k = 0; k < work.size(); ++k) {
         const bool is_original = work[k].like == k;
         (is_original ? originals : copies).push_back(k);
-        if (is_original) cost += cost_of(scene.objects[k]);
+        if (is_original && cache) {
+            keys[k] = {scene.objects[k].input, prepared_key(scene.objects[k].object)}; // before it is found unbreakable
+            known[k] = cache->prepared.find(keys[k]);
+        }
+        if (is_original && !known[k]) cost += cost_of(scene.objects[k]);
     }
     fracture::Threads pool(scene.threads);
     std::mutex reporting;
@@ -347,15 +336,21 @@ std::vector<PreparedObject> prepare_scene(LoadedScene& scene, const physics::Pay
                 throw Failure(failure->code(), "object " + scene.objects[k].object.name + ": " + failure->what());
     };
     for_each(originals, [&](size_t k) {
+        if (known[k]) return take_prepared(*known[k], scene.objects[k], payload, work[k]);
         // All threads help with an object that is more than a thread's share.
         const bool is_large = cost_of(scene.objects[k]) > cost / pool.count();
         prepare_or_fix(scene.objects[k], payload, is_large ? pool.count() : 1, work[k]);
     });
+    if (cache) {
+        for (const size_t k : originals)
+            if (!known[k]) cache->prepared.add(keys[k], {copy_of(*work[k].made, {}, 1), work[k].fault});
+        cache->prepared.end_round();
+    }
     for_each(copies, [&](size_t k) { copy_prepared(*work[work[k].like].made, scene.objects[k], payload, work[k]); });
     std::vector<PreparedObject> objects;
-    for (Work& one : work) {
-        if (!one.note.empty()) scene.notes.push_back(std::move(one.note));
-        objects.push_back(std::move(*one.made));
+    for (size_t k = 0; k < work.size(); ++k) {
+        if (!work[k].fault.empty()) scene.notes.push_back(note_of(scene.objects[k].object, work[k].fault));
+        objects.push_back(std::move(*work[k].made));
     }
     return objects;
 }

@@ -25,6 +25,8 @@
 
 namespace brittle::tools {
 
+struct SceneCache;
+
 struct LoadedObject {
     SceneObject object;                 // as in the recipe; fixed also where its mesh cannot be broken
     std::shared_ptr<const Input> input; // in metres of the object; objects may share it
@@ -45,13 +47,19 @@ struct LoadedScene {
 // about faults of the level. Throws a Failure.
 [[nodiscard]] std::vector<std::string> expand_level(FractureOptions& scene);
 
-// Throws a Failure.
-[[nodiscard]] LoadedScene load_scene(const FractureOptions& scene);
+// Throws a Failure. `cache` (scene_cache.h) holds what earlier calls made, and may be null.
+[[nodiscard]] LoadedScene load_scene(const FractureOptions& scene, SceneCache* cache = nullptr);
+
+// Moves and turns a loaded object. Its scale and shear must stay.
+void place(LoadedObject& object, const ObjectPlacement& placement);
+// Sets `home` once objects have been placed.
+void find_home(LoadedScene& scene);
 
 // Breaks and prepares the objects, side by side; the result is in their order, and the same for any number of threads.
 // An object that cannot be cut becomes fixed, with a note in the scene. `payload` is called from any thread, `progress`
 // by one at a time with rising shares up to 1. Throws a Failure: that of the first object that cannot be prepared.
 [[nodiscard]] std::vector<PreparedObject> prepare_scene(LoadedScene& scene, const physics::PayloadMaker& payload = {},
-                                                        const std::function<void(double)>& progress = {});
+                                                        const std::function<void(double)>& progress = {},
+                                                        SceneCache* cache = nullptr);
 
 } // namespace brittle::tools

@@ -130,6 +130,8 @@ void Stage::stand(std::vector<PreparedObject> objects, const WorldOptions& world
     simulation_.start(std::move(objects), world);
     draw_anew({});
     radii_.clear();
+    members_.clear();
+    carried_.clear();
     untinted_ = true;
     max_pieces_ = world.piece_limit;
     passed_watch_.reset();
@@ -230,13 +232,17 @@ void Stage::take_events() {
         draw(added, tint_of(added, events.added, before), left, fresh);
         radii_.resize(std::max<size_t>(radii_.size(), added.slot + size_t{1}), 0.0f);
         radii_[added.slot] = added.solid->radius;
+        members_.resize(radii_.size(), 0);
+        members_[added.slot] = simulation_.member_of(added.object);
     }
     for (const auto& [key, part] : left) gone.push_back(part.handle);
     must(renderer_.remove_pieces(gone));
     const std::vector<engine::PieceHandle> handles = must(renderer_.add_pieces(std::move(fresh.batches)));
     for (size_t k = 0; k < handles.size(); ++k) {
         const auto& [piece, branch] = fresh.owners[k];
-        drawn_.at(piece).parts.push_back({branch, handles[k]});
+        Drawn& drawn = drawn_.at(piece);
+        drawn.parts.push_back({branch, handles[k]});
+        if (is_hidden(drawn.object)) must(renderer_.fade_pieces({&handles[k], 1}, 1.0f));
     }
     for (const physics::PieceFading& fading : events.fading) {
         std::vector<engine::PieceHandle> parts;
@@ -289,15 +295,51 @@ void Stage::show_sites(std::span<const glm::dvec3> sites) {
 void Stage::explode(float share) {
     if (share == explode_) return;
     explode_ = share;
-    ++moment_before_; // a separate moment, at which every pose changes
+    draw_all_poses();
+}
+
+void Stage::carry(std::vector<physics::Pose> moves) {
+    carried_ = std::move(moves);
+    draw_all_poses();
+}
+
+void Stage::hide(std::vector<bool> hidden) {
+    if (hidden == hidden_) return;
+    std::vector<engine::PieceHandle> out, in;
+    std::swap(hidden, hidden_);
+    for (const auto& [piece, drawn] : drawn_)
+        for (const Part& part : drawn.parts) (is_hidden(drawn.object) ? out : in).push_back(part.handle);
+    must(renderer_.fade_pieces(out, 1.0f));
+    must(renderer_.fade_pieces(in, 0.0f));
+    moved_ = true;
+}
+
+bool Stage::is_hidden(physics::ObjectId object) const {
+    if (hidden_.empty()) return false;
+    const uint32_t member = simulation_.member_of(object);
+    return member < hidden_.size() && hidden_[member];
+}
+
+// A separate moment, at which every pose changes.
+void Stage::draw_all_poses() {
+    ++moment_before_;
     all_moved_ = moment_before_ + simulation_.steps();
     moved_ = true;
+}
+
+physics::Pose Stage::drawn_pose(uint32_t slot, const physics::Pose& pose) const {
+    physics::Pose at = pose;
+    if (slot < members_.size() && members_[slot] < carried_.size()) {
+        const physics::Pose& by = carried_[members_[slot]];
+        at = {by.position + by.orientation * pose.position, glm::normalize(by.orientation * pose.orientation)};
+    }
+    at.position += explode_ * (at.position - home_.centre());
+    return at;
 }
 
 // Sets the bounds of all shadow casters, and the function that writes the poses that changed since the slice of the
 // instance buffer was written.
 void Stage::place(engine::Scene& scene) {
-    const auto apart = [this](const glm::vec3& position) { return position + explode_ * (position - home_.centre()); };
     engine::Bounds room{home_.min - shadow_room, home_.max + shadow_room};
     room.min.y = std::min(room.min.y, 0.0f); // down to the ground
     scene.bounds = {room.max, room.min};
@@ -305,17 +347,19 @@ void Stage::place(engine::Scene& scene) {
         if (glm::clamp(centre, room.min, room.max) == centre)
             scene.bounds = engine::join(scene.bounds, {centre - radius, centre + radius});
     };
-    simulation_.visit_poses(
-        alpha_, 0, [&](uint32_t slot, const physics::Pose& pose) { include(apart(pose.position), radii_[slot]); });
+    simulation_.visit_poses(alpha_, 0, [&](uint32_t slot, const physics::Pose& pose) {
+        include(drawn_pose(slot, pose).position, radii_[slot]);
+    });
     if (!simulation_.balls().empty())
         for (const engine::Sphere& sphere : shown_spheres_) include(sphere.centre, sphere.radius);
     if (scene.bounds.min.x > scene.bounds.max.x) scene.bounds = home_; // no piece is inside the room
     moment_ = moment_before_ + simulation_.steps();
     scene.moment = moment_;
-    scene.write_poses = [this, apart](std::span<engine::BodyPose> out, uint64_t since) {
+    scene.write_poses = [this](std::span<engine::BodyPose> out, uint64_t since) {
         const uint64_t steps = since < all_moved_ ? 0 : since - moment_before_;
         simulation_.visit_poses(alpha_, steps, [&](uint32_t slot, const physics::Pose& pose) {
-            if (slot < out.size()) out[slot] = {.rotation = pose.orientation, .position = apart(pose.position)};
+            const physics::Pose at = drawn_pose(slot, pose);
+            if (slot < out.size()) out[slot] = {.rotation = at.orientation, .position = at.position};
         });
     };
 }

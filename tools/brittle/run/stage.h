@@ -85,6 +85,10 @@ class Stage {
     void show_sites(std::span<const glm::dvec3> sites);
     // Moves the drawn pieces apart, by this share of their distance from the middle of home_bounds().
     void explode(float share);
+    // Draws the pieces of objects elsewhere: moved from where they are, by object, before a run has begun. Empty: none.
+    void carry(std::vector<physics::Pose> moves);
+    // Leaves out the pieces of objects, by object. Empty: all are drawn.
+    void hide(std::vector<bool> hidden);
     // Draws lines through the pieces.
     void show_lines(std::vector<engine::LineVertex> lines) { own_lines_ = std::move(lines); }
     void show_hulls(bool show) { hulls_ = show; } // collision hulls as red lines
@@ -122,11 +126,15 @@ class Stage {
                                     const std::map<physics::PieceId, glm::vec3>& before) const;
     void place(engine::Scene& scene);
     void choose_surfaces();
+    void draw_all_poses();
+    [[nodiscard]] physics::Pose drawn_pose(uint32_t slot, const physics::Pose& pose) const;
+    [[nodiscard]] bool is_hidden(physics::ObjectId object) const;
 
     engine::Renderer& renderer_;
     Simulation simulation_;
     engine::Bounds home_;
-    std::vector<float> radii_; // by slot: radius of the piece around its centre of mass
+    std::vector<float> radii_;      // by slot: radius of the piece around its centre of mass
+    std::vector<uint32_t> members_; // by slot: the object of the simulation, in a breakable world
     struct Drawn {
         std::vector<Part> parts;
         glm::vec3 tint;
@@ -135,6 +143,8 @@ class Stage {
     std::map<physics::PieceId, Drawn> drawn_;   // pieces of a breakable world
     std::vector<engine::SurfaceLook> surfaces_; // of the scene
     std::vector<uint32_t> surface_of_;          // by object of the simulation: PieceAttachment::surface
+    std::vector<physics::Pose> carried_;        // by object of the simulation: set by carry()
+    std::vector<bool> hidden_;                  // by object of the simulation: set by hide()
     bool untinted_ = false;      // uncut pieces keep the look of the unbroken mesh: the world started whole
     size_t max_pieces_ = 0;      // limit beyond which debris is removed
     uint64_t moment_ = 0;        // number of the scene's pose state: moment_before_ + steps

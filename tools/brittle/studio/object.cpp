@@ -5,11 +5,12 @@
 #include <utility>
 #include <vector>
 
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
-#include <glm/gtc/quaternion.hpp>
 
 #include "fracture/mesh/topology.h"
 #include "tools/brittle/base/failure.h"
+#include "tools/brittle/recipe/recipe.h"
 #include "tools/brittle/run/stage.h"
 
 namespace brittle::tools {
@@ -25,30 +26,41 @@ std::vector<uint32_t> all_triangles(const fracture::TriangleMesh& mesh) {
     return all;
 }
 
-// The meshes of all objects, in the world.
-Input joined(const LoadedScene& scene) {
-    Input all;
-    all.name = "scene";
-    all.units = LengthUnit::metre;
-    fracture::TriangleMesh& mesh = all.model.mesh;
-    for (const LoadedObject& object : scene.objects) {
-        const auto first = static_cast<uint32_t>(mesh.positions.size());
-        for (const glm::dvec3& p : object.input->model.mesh.positions)
-            mesh.positions.push_back(glm::dvec3(object.placement.position)
-                                     + glm::dquat(object.placement.orientation) * p);
-        for (const fracture::Triangle& t : object.input->model.mesh.triangles) mesh.triangles.push_back(t + first);
+// A scene has no mesh of its own.
+Input no_mesh() {
+    Input none;
+    none.name = "scene";
+    none.units = LengthUnit::metre;
+    return none;
+}
+
+// Equal for scenes that differ in the places of their objects alone.
+std::string all_but_places(const FractureOptions& options) {
+    FractureOptions scene;
+    scene.units = options.units;
+    scene.piece_scale = options.piece_scale;
+    scene.objects = options.objects;
+    for (SceneObject& object : scene.objects) {
+        object.placement.translation = glm::dvec3(0.0);
+        object.placement.rotation = glm::dvec3(0.0);
     }
-    return all;
+    return recipe_json(scene);
 }
 
 } // namespace
 
-std::shared_ptr<const Object> Object::load(const FractureOptions& options,
-                                           const std::function<void(double)>& progress) {
+std::shared_ptr<const Object> Object::load(const FractureOptions& options, const std::function<void(double)>& progress,
+                                           const Object* earlier) {
     if (tools::is_scene(options)) {
-        LoadedScene scene = load_scene(options);
-        std::vector<PreparedObject> parts = prepare_scene(scene, {}, progress);
-        return std::shared_ptr<const Object>(new Object(std::move(scene), std::move(parts)));
+        auto cache = earlier && earlier->cache_ ? earlier->cache_ : std::make_shared<SceneCache>();
+        LoadedScene scene = load_scene(options, cache.get());
+        std::vector<PreparedObject> parts = prepare_scene(scene, {}, progress, cache.get());
+        const std::shared_ptr<Object> made(new Object(std::move(scene), std::move(parts)));
+        made->cache_ = std::move(cache);
+        made->but_places_ = all_but_places(options);
+        for (const LoadedObject& object : made->scene_->objects)
+            made->turned_.push_back(object.object.placement.rotation);
+        return made;
     }
     Input input = load_mesh_only(options.mesh);
     input.units = options.units;
@@ -67,12 +79,44 @@ Object::Object(Input file, std::string overlap, const WorldOptions& world)
     : file_(std::move(file)), stage_(placed_on_stage(file_, world)), overlap_(std::move(overlap)), world_(world),
       placement_(placement_on_stage(file_.model.mesh, world, file_.units)),
       tree_(stage_.model.mesh, all_triangles(stage_.model.mesh)), batch_(batch_of(stage_.model.mesh)),
-      home_(fracture::bounds(stage_.model.mesh)) {}
+      home_(fracture::bounds(stage_.model.mesh)), extent_(fracture::bounds(file_.model.mesh)),
+      triangles_(stage_.model.mesh.triangles.size()) {}
 
 Object::Object(LoadedScene scene, std::vector<PreparedObject> parts)
-    : file_(joined(scene)), stage_(file_), world_(scene.world),
-      tree_(stage_.model.mesh, all_triangles(stage_.model.mesh)), home_(scene.home), scene_(std::move(scene)),
-      parts_(std::move(parts)) {}
+    : file_(no_mesh()), stage_(file_), world_(scene.world), tree_(stage_.model.mesh, {}), home_(scene.home),
+      extent_(scene.objects.front().box), scene_(std::move(scene)), parts_(std::move(parts)) {
+    for (const LoadedObject& object : scene_->objects) {
+        extent_ = {glm::min(extent_.min, object.box.min), glm::max(extent_.max, object.box.max)};
+        triangles_ += object.input->model.mesh.triangles.size();
+    }
+}
+
+std::shared_ptr<const Object> Object::placed_as(const FractureOptions& options) const {
+    if (!scene_ || all_but_places(options) != but_places_) return nullptr;
+    LoadedScene scene = *scene_;
+    std::vector<PreparedObject> parts;
+    for (size_t k = 0; k < scene.objects.size(); ++k) {
+        if (scene.objects[k].object.placement != options.objects[k].placement)
+            place(scene.objects[k], options.objects[k].placement);
+        parts.push_back(copy_of(parts_[k], {}, 1));
+        parts.back().placement = scene.objects[k].placement;
+    }
+    find_home(scene);
+    const std::shared_ptr<Object> made(new Object(std::move(scene), std::move(parts)));
+    made->cache_ = cache_;
+    made->but_places_ = but_places_;
+    made->turned_ = turned_;
+    return made;
+}
+
+bool Object::is_prepared() const {
+    if (!scene_) return true;
+    for (size_t k = 0; k < turned_.size(); ++k) {
+        const SceneObject& object = scene_->objects[k].object;
+        if (object.recipe.world.anchored && object.placement.rotation != turned_[k]) return false;
+    }
+    return true;
+}
 
 SiteSet Object::sites(const FractureOptions& options) const {
     SiteSet set = sites_for(options, file_.model.mesh);
@@ -105,6 +149,13 @@ std::optional<Hit> Object::first_hit(const glm::dvec3& from, const glm::dvec3& d
 Hit Object::exit_after(const Hit& hit, const glm::dvec3& direction) const {
     const std::optional<Hit> next = first_hit(hit.point + nudge * direction, direction);
     return next ? Hit{next->point, hit.distance + nudge + next->distance} : hit;
+}
+
+std::vector<PreparedObject> parts_of(const Object& object, const engine::Renderer& renderer, uint32_t threads) {
+    const physics::PayloadMaker payload = payload_maker(renderer);
+    std::vector<PreparedObject> parts;
+    for (const PreparedObject& part : object.parts()) parts.push_back(copy_of(part, payload, threads));
+    return parts;
 }
 
 } // namespace brittle::tools

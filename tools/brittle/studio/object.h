@@ -10,9 +10,11 @@
 #include <vector>
 
 #include "engine/render/piece_batch.h"
+#include "engine/render/renderer.h"
 #include "fracture/mesh/triangle_tree.h"
 #include "tools/brittle/recipe/input.h"
 #include "tools/brittle/run/scene.h"
+#include "tools/brittle/run/scene_cache.h"
 #include "tools/brittle/run/stage_placement.h"
 
 namespace brittle::tools {
@@ -26,20 +28,28 @@ class Object {
   public:
     // Loads and prepares the mesh or the scene of the options. Throws a Failure, also if the one mesh is not closed.
     // `progress` is called with shares from 0 to 1 while a scene is prepared.
+    // `earlier`: the object before an edit, of which a scene takes what did not change; or null.
     [[nodiscard]] static std::shared_ptr<const Object> load(const FractureOptions& options,
-                                                            const std::function<void(double)>& progress = {});
+                                                            const std::function<void(double)>& progress = {},
+                                                            const Object* earlier = nullptr);
     // Returns the mesh at its place in another world.
     [[nodiscard]] std::shared_ptr<const Object> placed_for(const WorldOptions& world) const;
+    // Returns a scene with its objects at the places of a recipe; null where the recipe differs in more than places.
+    [[nodiscard]] std::shared_ptr<const Object> placed_as(const FractureOptions& options) const;
+    // False for a scene in which placed_as() turned an object that is held at its lowest part: load() finds that part.
+    [[nodiscard]] bool is_prepared() const;
     Object(const Object&) = delete;
     Object& operator=(const Object&) = delete;
 
     [[nodiscard]] const std::string& name() const { return file_.name; } // "scene" for a scene
-    // The scene, and its objects without payloads; none for a mesh. A scene has no sites, and its mesh() is that of all
-    // objects, in the world.
+    // The scene, and its objects without payloads; none for a mesh. A scene has no sites, and no mesh().
     [[nodiscard]] bool is_scene() const { return scene_.has_value(); }
     [[nodiscard]] const LoadedScene& scene() const { return *scene_; } // precondition: is_scene()
     [[nodiscard]] std::span<const PreparedObject> parts() const { return parts_; }
     [[nodiscard]] const fracture::Box& home() const { return home_; } // what the camera looks at, on the stage
+
+    [[nodiscard]] size_t triangles() const { return triangles_; }         // of the mesh, or of all objects
+    [[nodiscard]] const fracture::Box& extent() const { return extent_; } // of the file's mesh, or of all objects, m
 
     [[nodiscard]] const Input& file() const { return file_; }                              // without sites
     [[nodiscard]] const fracture::TriangleMesh& mesh() const { return stage_.model.mesh; } // on the stage
@@ -75,9 +85,17 @@ class Object {
     StagePlacement placement_;
     fracture::TriangleTree tree_;
     engine::PieceBatch batch_;
-    fracture::Box home_;
+    fracture::Box home_, extent_;
+    size_t triangles_ = 0;
     std::optional<LoadedScene> scene_;
     std::vector<PreparedObject> parts_;
+    std::shared_ptr<SceneCache> cache_; // used by one load at a time
+    std::string but_places_;            // the recipe that the scene was loaded for, without the places
+    std::vector<glm::dvec3> turned_;    // by object: the rotation with which it was prepared
 };
+
+// The objects of a scene with payloads of their own, for Stage::stand(); none for a mesh. On any thread.
+[[nodiscard]] std::vector<PreparedObject> parts_of(const Object& object, const engine::Renderer& renderer,
+                                                   uint32_t threads);
 
 } // namespace brittle::tools

@@ -296,8 +296,10 @@ void Panels::message(const PanelState& state, const Layout& layout) {
 }
 
 void Panels::progress(const PanelState& state, const Layout& layout) {
+    constexpr double patience = 0.3; // s; work that is done sooner shows no bar
     const auto work = state.session.activity().work();
-    if (!work && !recording) return;
+    if (!work) worked_since_ = ImGui::GetTime();
+    if (!recording && (!work || ImGui::GetTime() - worked_since_ < patience)) return;
     const float middle = 0.5f * (layout.free_min.x + layout.free_max.x);
     ImGui::SetNextWindowPos({middle, layout.free_min.y + 12.0f * state.scale}, ImGuiCond_Always, {0.5f, 0.0f});
     ImGui::SetNextWindowBgAlpha(0.92f);

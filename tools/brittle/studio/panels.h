@@ -102,6 +102,7 @@ class Panels {
     int pages_ = 0;                // pages to scroll in this frame
     std::string told_;             // message on display, and the time of its first display
     double told_at_ = 0.0;
+    double worked_since_ = 0.0; // last time without work
 };
 
 } // namespace brittle::tools

@@ -132,10 +132,10 @@ void Panels::object_panel(const PanelState& state) {
             if (ImGui::Selectable(std::string(name).c_str())) session.files().open("shape:" + std::string(name));
         ImGui::EndCombo();
     }
-    const glm::dvec3 size = fracture::bounds(object.file().model.mesh).size();
+    const glm::dvec3 size = object.extent().size();
     char metres[64];
     std::snprintf(metres, sizeof metres, "%.3g x %.3g x %.3g m", size.x, size.y, size.z);
-    explain((grouped(object.mesh().triangles.size()) + " triangles, " + metres).c_str());
+    explain((grouped(object.triangles()) + " triangles, " + metres).c_str());
     if (!object.overlap().empty()) {
         explain(("Take care: " + object.overlap() + ".").c_str());
         if (wide_button("Unite parts", "Makes one solid of parts that pass through each other"))
@@ -283,7 +283,7 @@ void Panels::cuts_panel(const PanelState& state) {
         if (changed) edit(session, SetRoughness{rough});
         return;
     }
-    const glm::dvec3 size = fracture::bounds(session.object().file().model.mesh).size();
+    const glm::dvec3 size = session.object().extent().size();
     changed |=
         named_slider("Bump size", "Size of the largest bumps; automatic: as large as the pieces", rough.wavelength, 0.0,
                      std::max({size.x, size.y, size.z}), rough.wavelength > 0.0 ? "%.3g m" : "automatic");

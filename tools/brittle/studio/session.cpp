@@ -15,7 +15,6 @@ namespace {
 
 constexpr float preview_tint = 0.8f;
 constexpr float tint_of_the_struck = 0.12f;
-const uint32_t selection_colour = engine::srgb8(236, 142, 66);
 constexpr double physics_step = 1.0 / 120.0; // s, of World
 constexpr float hull_lift = 0.01f; // share of the way to the eye by which lines of hulls are drawn before pieces
 constexpr float far_away = 12.0f;  // m from the middle, where the stage's shadow ends
@@ -50,6 +49,7 @@ std::string subject_of(const FractureOptions& options) {
     only.repair = options.repair;
     only.unite = options.unite;
     only.units = options.units;
+    only.piece_scale = options.piece_scale;
     only.objects = options.objects;
     return recipe_json(only);
 }
@@ -79,29 +79,19 @@ void Session::leave_piece() {
     piece.reset();
 }
 
-void Session::make_stage() {
+// `parts`: those of a scene with their payloads, made ahead; or empty.
+void Session::make_stage(std::vector<PreparedObject> parts) {
     stage_ = std::make_unique<Stage>(renderer_, object_->home(), object_->batch(), recipe().material);
     stage_->simulation().commit_as(physics::Timing::when_ready);
     stage_->simulation().observe(&*recorder_);
     ++stages_;
+    moved_ = false;
     shot_.reset(); // the ball and the blow that wait for the pieces of the old stage
     blow_.reset();
     playing_ = false;
     leave_piece();
-    if (object_->is_scene()) stand_scene();
-}
-
-// The objects stand at their places; time has not begun.
-void Session::stand_scene() {
-    const physics::PayloadMaker payload = payload_maker(renderer_);
-    std::vector<PreparedObject> parts;
-    for (const PreparedObject& part : object_->parts()) parts.push_back(copy_of(part, payload, recipe().threads));
-    WorldOptions world = object_->scene().world;
-    world.engine = recipe().world.engine;
-    recorder_->use_recipe(recipe());
-    stage_->stand(std::move(parts), world);
-    poses_ = poses_by_slot(stage_->simulation());
-    counts_ = {static_cast<uint32_t>(stage_->simulation().piece_count()), 0, 0.0, {}, {}};
+    if (!object_->is_scene()) return;
+    stand_scene(parts.empty() ? parts_of(*object_, renderer_, recipe().threads) : std::move(parts));
 }
 
 uint32_t Session::blow_pieces(uint32_t of) const {
@@ -134,14 +124,8 @@ void Session::redo() {
 void Session::follow(const FractureOptions& before) {
     const FractureOptions& now = recipe();
     std::erase_if(selected, [&](uint32_t k) { return k >= now.objects.size(); });
-    if (const std::string subject = subject_of(now); subject != subject_of(before)) {
-        activity_.start("reading " + (is_scene(now) ? "the scene" : now.mesh),
-                        [this, now, subject](const Worker::Cancelled&) {
-                            auto object = Object::load(now, [this](double share) { activity_.set_share(share); });
-                            activity_.post([this, object, subject] {
-                                if (subject_of(recipe()) == subject) adopt(object);
-                            });
-                        });
+    if (subject_of(now) != subject_of(before)) {
+        if (!follow_places()) read_object();
         return;
     }
     if (object_->is_scene()) {
@@ -166,92 +150,44 @@ void Session::follow(const FractureOptions& before) {
     }
 }
 
-void Session::adopt(std::shared_ptr<const Object> object) {
-    object_ = std::move(object);
+// Reads and prepares the mesh or the scene of the recipe on the worker. While the mouse holds a control, results come
+// slower than changes, so one that is older than the recipe is shown, too.
+void Session::read_object() {
+    const auto read = [this, number = ++reads_, now = recipe(), before = object_] {
+        try {
+            auto object = Object::load(
+                now, [this](double share) { activity_.set_share(share); }, before.get());
+            auto parts = std::make_shared<std::vector<PreparedObject>>(parts_of(*object, renderer_, now.threads));
+            activity_.post([this, object, parts, number, subject = subject_of(now)] {
+                if (number < valid_reads_) return;
+                const bool is_new = subject_of(recipe()) == subject;
+                if (is_new || (preview_.held && object->is_scene() && object_->is_scene()))
+                    adopt(object, std::move(*parts));
+            });
+        } catch (const Failure& failure) {
+            activity_.post([this, failure, number] {
+                if (number >= valid_reads_) report(failure);
+            });
+        }
+    };
+    activity_.start("reading " + (is_scene(recipe()) ? "the scene" : recipe().mesh),
+                    [read](const Worker::Cancelled&) { read(); });
+}
+
+void Session::adopt(std::shared_ptr<const Object> object, std::vector<PreparedObject> parts) {
+    const std::shared_ptr<const Object> before = std::exchange(object_, std::move(object));
     sites_.selection.clear();
     counts_.reset();
     activity_.say({});
-    make_stage();
+    make_stage(std::move(parts));
     try {
         sites_.generate(recipe(), *object_);
     } catch (const Failure& failure) {
         report(failure);
     }
-    if (object_->is_scene())
-        tell_notes();
-    else if (files_.opened)
-        files_.opened(recipe().mesh);
-}
-
-// Says what is wrong with a level, then which objects of a scene cannot be broken, and why.
-void Session::tell_notes(std::span<const std::string> of_level) {
-    std::string text;
-    for (const std::span<const std::string> notes : {of_level, std::span<const std::string>(object_->scene().notes)})
-        for (const std::string& note : notes) text += (text.empty() ? "" : "\n") + note;
-    if (!text.empty()) activity_.say({text, true});
-}
-
-void Session::select(uint32_t object, bool add) {
-    if (object >= recipe().objects.size()) return; // it was removed a moment ago, and is still on the stage
-    const auto at = std::ranges::find(selected, object);
-    if (!add)
-        selected = {object};
-    else if (at == selected.end())
-        selected.push_back(object);
-    else
-        selected.erase(at);
-}
-
-void Session::change_selected(const std::function<void(SceneObject&)>& change, uint64_t gesture) {
-    std::vector<SceneObject> objects = recipe().objects;
-    for (const uint32_t k : selected) change(objects[k]);
-    edit(SetObjects{std::move(objects)}, gesture);
-}
-
-void Session::duplicate_selected() {
-    constexpr double beside = 0.1; // m, so that copies are visible beside the originals
-    std::vector<SceneObject> objects = recipe().objects;
-    const auto first = static_cast<uint32_t>(objects.size());
-    for (const uint32_t k : selected) {
-        objects.push_back(objects[k]);
-        objects.back().placement.translation.x += beside;
-    }
-    edit(SetObjects{std::move(objects)});
-    selected.clear();
-    for (uint32_t k = first; k < recipe().objects.size(); ++k) selected.push_back(k);
-}
-
-void Session::add_object(const std::string& mesh) {
-    std::vector<SceneObject> objects = recipe().objects;
-    objects.emplace_back();
-    objects.back().name = mesh_name(mesh);
-    objects.back().recipe.mesh = mesh;
-    selected = {static_cast<uint32_t>(objects.size() - 1)};
-    edit(SetObjects{std::move(objects)});
-}
-
-std::optional<glm::vec3> Session::middle_of_selected() const {
-    if (!object_->is_scene() || playing_) return std::nullopt;
-    const std::vector<LoadedObject>& objects = object_->scene().objects;
-    std::optional<engine::Bounds> around;
-    for (const uint32_t k : selected) {
-        if (k >= objects.size()) continue;
-        const engine::Bounds box{glm::vec3(objects[k].box.min), glm::vec3(objects[k].box.max)};
-        around = around ? engine::join(*around, box) : box;
-    }
-    return around ? std::optional(around->centre()) : std::nullopt;
-}
-
-void Session::remove_selected() {
-    std::vector<SceneObject> kept;
-    for (uint32_t k = 0; k < recipe().objects.size(); ++k)
-        if (std::ranges::find(selected, k) == selected.end()) kept.push_back(recipe().objects[k]);
-    if (kept.empty()) {
-        activity_.say({"A scene needs an object: the last one stays."});
-        return;
-    }
-    edit(SetObjects{std::move(kept)});
-    selected.clear();
+    if (!object_->is_scene() && files_.opened) files_.opened(recipe().mesh);
+    if (object_->is_scene() && !(before->is_scene() && before->scene().notes == object_->scene().notes)) tell_notes();
+    playing_ = std::exchange(play_due_, false) && object_->is_scene();
 }
 
 void Session::take_sites(uint64_t gesture) {
@@ -286,7 +222,8 @@ engine::Bounds Session::all_bounds() const {
 
 void Session::break_all() {
     if (object_->is_scene()) {
-        playing_ = true;
+        play_due_ = !stand_now(); // once the scene is read
+        playing_ = !play_due_;
         return;
     }
     if (!recipe().strikes.empty()) edit(ClearStrikes{});
@@ -313,6 +250,7 @@ void Session::strike(const glm::dvec3& at, const glm::dvec3& direction) {
 }
 
 void Session::strike(const PieceHit& hit, const glm::dvec3& direction) {
+    if (!stand_now() || !pieces().contains(hit.piece)) return;
     if (stage_->simulation().destruction()) {
         Simulation& simulation = stage_->simulation();
         if (const Simulation::Member& member = simulation.members()[simulation.member_of(hit.piece)]; member.fixed) {
@@ -327,6 +265,7 @@ void Session::strike(const PieceHit& hit, const glm::dvec3& direction) {
 }
 
 void Session::shoot(const glm::vec3& from, const glm::vec3& direction) {
+    if (!stand_now()) return;
     if (broken()) {
         stage_->shoot({.from = glm::dvec3(from),
                        .velocity = glm::dvec3(tools.ball_speed * direction),
@@ -342,6 +281,7 @@ void Session::shoot(const glm::vec3& from, const glm::vec3& direction) {
 }
 
 void Session::grab(const PieceHit& hit) {
+    if (!stand_now()) return;
     stage_->simulation().apply(Grab{hit.piece, place_of(stage_->simulation(), hit)});
     playing_ = true;
 }
@@ -355,7 +295,8 @@ void Session::let_go() {
 }
 
 void Session::reset() {
-    activity_.cancel();
+    play_due_ = false;
+    if (!object_->is_scene()) activity_.cancel(); // a scene that is being read is awaited
     if (!recipe().strikes.empty()) edit(ClearStrikes{});
     counts_.reset();
     activity_.say({});
@@ -406,6 +347,7 @@ void Session::take_pieces(Broken made, PreparedPieces ahead, const WorldOptions&
 }
 
 void Session::step_once() {
+    if (!stand_now()) return;
     playback.paused = true;
     single_step_ = true;
     playing_ = broken();
@@ -413,6 +355,7 @@ void Session::step_once() {
 
 void Session::report(const Failure& failure, const std::string& mend) {
     shot_.reset();
+    play_due_ = false;
     if (failure.code() == exit_environment) throw failure; // the device is gone
     if (failure.code() == exit_interrupted)
         activity_.say({"cancelled"});
@@ -424,6 +367,7 @@ void Session::report(const Failure& failure, const std::string& mend) {
 
 void Session::update(double seconds) {
     activity_.deliver();
+    if (moved_ && !preview_.held && !reads()) read_object();
     preview_.update();
     if (!playing_) return;
     if (std::exchange(single_step_, false)) {
@@ -449,24 +393,6 @@ void Session::add_bond_lines(std::vector<engine::LineVertex>& lines) const {
         const uint32_t colour = bond_colour(load);
         lines.push_back({poses_[bond.a].position, colour});
         lines.push_back({poses_[bond.b].position, colour});
-    }
-}
-
-void Session::add_boxes_of_selected(std::vector<engine::LineVertex>& lines) const {
-    if (!object_->is_scene()) return;
-    const std::vector<LoadedObject>& objects = object_->scene().objects; // as before an edit that is being read
-    for (const uint32_t k : selected) {
-        if (k >= objects.size()) continue;
-        const std::array<glm::vec3, 2> ends{glm::vec3(objects[k].box.min), glm::vec3(objects[k].box.max)};
-        const auto corner = [&](size_t c) {
-            return glm::vec3(ends[c & 1].x, ends[(c >> 1) & 1].y, ends[(c >> 2) & 1].z);
-        };
-        for (size_t c = 0; c < 8; ++c)
-            for (const size_t axis : {1u, 2u, 4u})
-                if ((c & axis) == 0) {
-                    lines.push_back({corner(c), selection_colour});
-                    lines.push_back({corner(c | axis), selection_colour});
-                }
     }
 }
 
@@ -514,7 +440,7 @@ void Session::place_lines(engine::Scene& scene) {
 }
 
 bool Session::quiet() const {
-    if (!activity_.idle() || preview_.busy() || single_step_) return false;
+    if (!activity_.idle() || preview_.busy() || single_step_ || moved_) return false;
     return playback.paused || !playing_ || stage_->still();
 }
 

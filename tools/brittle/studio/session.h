@@ -143,9 +143,13 @@ class Session {
     friend class SessionFiles;
 
     void follow(const FractureOptions& before);
-    void adopt(std::shared_ptr<const Object> object);
-    void make_stage();
-    void stand_scene();
+    bool follow_places();
+    void read_object();
+    [[nodiscard]] bool reads() const; // whether a read that is wanted is under way
+    bool stand_now();
+    void adopt(std::shared_ptr<const Object> object, std::vector<PreparedObject> parts = {});
+    void make_stage(std::vector<PreparedObject> parts = {});
+    void stand_scene(std::vector<PreparedObject> parts);
     void tell_notes(std::span<const std::string> of_level = {});
     void leave_piece();
     void start_breaking(const WorldOptions& world);
@@ -170,7 +174,12 @@ class Session {
     std::optional<std::array<glm::vec3, 2>> shot_; // ball to shoot when the pieces are there: from, direction
     std::optional<AimedBlow> blow_;                // blow to strike when the pieces are there
     std::vector<engine::LineVertex> lines_;
-    uint64_t stages_ = 0; // number of stages so far; pieces made for an older one are dropped
+    std::vector<physics::Pose> stood_; // by object of a scene: its place on the stage
+    uint64_t reads_ = 0;               // number of reads so far
+    uint64_t valid_reads_ = 1;         // the first read whose result is still wanted
+    bool moved_ = false;               // objects are drawn away from their places on the stage
+    bool play_due_ = false;            // time begins once the scene is read
+    uint64_t stages_ = 0;              // number of stages so far; pieces made for an older one are dropped
     bool fractured_ = false;
     bool playing_ = false;
     bool single_step_ = false;

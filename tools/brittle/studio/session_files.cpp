@@ -31,32 +31,34 @@ void SessionFiles::open(const std::string& path, bool repair) {
         options.points.clear();
         options.strikes.clear();
     }
-    session_.activity_.start(
-        "opening " + path, [this, path, options, is_recipe, from_scene, repair](const Worker::Cancelled&) mutable {
-            try {
-                std::vector<std::string> notes;
-                if (is_recipe) {
-                    read_recipe(path, options);
-                    notes = expand_level(options);
-                }
-                auto object = Object::load(options, [this](double share) { session_.activity_.set_share(share); });
-                session_.activity_.post([this, path, options, object, is_recipe, from_scene, repair, notes] {
-                    is_recipe || from_scene ? session_.document_.apply(SetRecipe{options})
-                                            : session_.document_.apply(SetMesh{path, repair});
-                    session_.selected.clear();
-                    session_.adopt(object);
-                    if (!notes.empty()) session_.tell_notes(notes);
-                    if (is_recipe) {
-                        session_.document_.mark_saved();
-                        if (opened) opened(path);
-                    }
-                });
-            } catch (const Failure& failure) {
-                const bool mendable = std::string(failure.what()).find("--repair") != std::string::npos;
-                session_.activity_.post(
-                    [this, failure, mend = mendable ? path : std::string()] { session_.report(failure, mend); });
+    session_.activity_.start("opening " + path, [this, path, options, is_recipe, from_scene,
+                                                 repair](const Worker::Cancelled&) mutable {
+        try {
+            std::vector<std::string> notes;
+            if (is_recipe) {
+                read_recipe(path, options);
+                notes = expand_level(options);
             }
-        });
+            auto object = Object::load(options, [this](double share) { session_.activity_.set_share(share); });
+            auto parts =
+                std::make_shared<std::vector<PreparedObject>>(parts_of(*object, session_.renderer_, options.threads));
+            session_.activity_.post([this, path, options, object, parts, is_recipe, from_scene, repair, notes] {
+                is_recipe || from_scene ? session_.document_.apply(SetRecipe{options})
+                                        : session_.document_.apply(SetMesh{path, repair});
+                session_.selected.clear();
+                session_.adopt(object, std::move(*parts));
+                if (!notes.empty()) session_.tell_notes(notes);
+                if (is_recipe) {
+                    session_.document_.mark_saved();
+                    if (opened) opened(path);
+                }
+            });
+        } catch (const Failure& failure) {
+            const bool mendable = std::string(failure.what()).find("--repair") != std::string::npos;
+            session_.activity_.post(
+                [this, failure, mend = mendable ? path : std::string()] { session_.report(failure, mend); });
+        }
+    });
 }
 
 void SessionFiles::save_recipe(const std::filesystem::path& file) {
