@@ -4,7 +4,9 @@
 #include <string>
 
 #include <doctest/doctest.h>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <glm/trigonometric.hpp>
 
 #include "fracture/io/import.h"
 #include "tests/tools/studio/room.h"
@@ -31,6 +33,14 @@ FractureOptions table_top(const Folder& folder) {
 }
 
 constexpr glm::dvec3 down(0.0, -1.0, 0.0);
+
+// Looks from the front, slightly from above, at the middle of the table top.
+Viewport from_front() {
+    engine::Camera camera;
+    camera.eye = {0.0f, 1.5f, 5.0f};
+    camera.target = {0.0f, 1.0f, 0.0f};
+    return {camera, {800.0f, 600.0f}, {}, {800.0f, 600.0f}};
+}
 
 std::optional<PieceHit> below(const Session& session, double x) {
     return session.pieces().first(glm::dvec3(x, 5.0, 0.0), down);
@@ -129,12 +139,12 @@ TEST_CASE("studio scene: a dropped mesh is added, and one that cannot be read le
     Session& session = *room.session;
     engine::Input input;
     input.dropped = {folder / "wedge.off"};
-    open_dropped(input, session);
+    open_dropped(input, from_front(), session);
     REQUIRE(room.soon([&] { return session.stage().simulation().members().size() == 3; }));
     CHECK(session.stage().simulation().members()[2].name == "wedge");
     CHECK(session.selected == std::vector<uint32_t>{2});
     input.dropped = {folder / "missing.obj"};
-    open_dropped(input, session);
+    open_dropped(input, from_front(), session);
     REQUIRE(room.soon([&] { return session.activity().message().fault; }));
     CHECK(session.activity().message().text.find("missing") != std::string::npos);
     CHECK(session.stage().simulation().members().size() == 3);
@@ -303,4 +313,192 @@ TEST_CASE("studio scene: undo of an edit that could not be read keeps the stage,
     CHECK_FALSE(session.activity().message().fault);
     CHECK(&session.stage() == stage);
     CHECK(session.quiet());
+}
+
+namespace {
+
+// Drives the tools with the mouse.
+struct Hand {
+    Session& session;
+    Tools tools{};
+    Navigation navigation{};
+    Viewport view = from_front();
+
+    void send(engine::Input input, glm::vec2 at) {
+        input.cursor = at;
+        tools.handle(input, view, true, session, navigation);
+    }
+    void button(bool goes_down, glm::vec2 at, engine::Modifiers modifiers = {}) {
+        engine::Input input{.modifiers = modifiers};
+        input.buttons.push_back({engine::Button::left, goes_down, at, modifiers});
+        send(input, at);
+    }
+    void drag(glm::vec2 from, glm::vec2 to, engine::Modifiers modifiers = {}) {
+        button(true, from, modifiers);
+        for (int k = 1; k <= 4; ++k) send({.modifiers = modifiers}, glm::mix(from, to, 0.25f * static_cast<float>(k)));
+        button(false, to, modifiers);
+    }
+    [[nodiscard]] glm::vec2 pixel(const glm::vec3& at) const { return *view.pixel(at); }
+};
+
+} // namespace
+
+TEST_CASE("studio scene: the gizmo moves, turns and scales what is selected, each drag one step of the history") {
+    const Folder folder;
+    Room room(table_top(folder));
+    if (!room.device) return;
+    Session& session = *room.session;
+    Hand hand{session};
+    hand.button(true, hand.pixel({0.5f, 1.1f, 0.0f}));
+    hand.button(false, hand.pixel({0.5f, 1.1f, 0.0f}));
+    REQUIRE(session.selected == std::vector<uint32_t>{1});
+    const auto place = [&]() -> const ObjectPlacement& { return session.recipe().objects[1].placement; };
+    const glm::dvec3 start = place().translation;
+    const float metres = 1.0f / hand.view.pixels_a_metre({0.5f, 1.0f, 0.0f});
+    const glm::vec2 arrow = hand.pixel(glm::vec3(0.5f + 50.0f * metres, 1.0f, 0.0f));
+    hand.drag(arrow, arrow + glm::vec2(0.3f / metres, 0.0f));
+    CHECK(place().translation.x == doctest::Approx(0.8).epsilon(0.05));
+    CHECK(glm::distance(place().translation * glm::dvec3(0, 1, 1), start * glm::dvec3(0, 1, 1)) < 1e-9);
+    session.undo();
+    CHECK(place().translation == start);
+    hand.drag(arrow, arrow + glm::vec2(0.33f / metres, 0.0f), {.control = true});
+    CHECK(place().translation.x == doctest::Approx(0.8).epsilon(1e-9));
+    session.undo();
+
+    hand.tools.choose(GizmoMode::turn);
+    const auto rings = gizmo_shape(GizmoMode::turn, {glm::dvec3(*session.middle_of_selected())}, hand.view);
+    const auto& ring = rings[1].points;
+    hand.drag(ring[ring.size() / 2], ring[ring.size() / 2 + 5], {.control = true});
+    CHECK(place().rotation == glm::dvec3(0.0, 30.0, 0.0)); // 28 degrees, and the nearest step
+    CHECK(glm::distance(place().translation, start) < 1e-6);
+    session.undo();
+    CHECK(place().rotation == glm::dvec3(0.0));
+
+    hand.tools.choose(GizmoMode::scale);
+    const glm::vec2 middle = hand.pixel({0.5f, 1.0f, 0.0f});
+    hand.drag(middle, middle + glm::vec2(32.0f, -32.0f));
+    CHECK(place().scale.x == doctest::Approx(0.2 * (1.0 + std::sqrt(0.5))).epsilon(0.01));
+    CHECK(place().scale.x == place().scale.y);
+    REQUIRE(room.soon([&] { return session.quiet(); }));
+    CHECK(session.object().scene().objects[1].box.size().x == doctest::Approx(2.0 * place().scale.x));
+    session.undo();
+    CHECK(place().scale == glm::dvec3(0.2));
+    CHECK_FALSE(session.document().can_undo());
+}
+
+TEST_CASE("studio scene: several objects turn about their common middle") {
+    const Folder folder;
+    Room room(table_top(folder));
+    if (!room.device) return;
+    Session& session = *room.session;
+    session.select(1, false);
+    session.duplicate_selected(); // at 0.6
+    session.selected = {2};
+    session.change_selected([](SceneObject& object) { object.placement.translation.x = -0.5; });
+    REQUIRE(room.soon([&] { return session.quiet(); }));
+    session.selected = {1, 2};
+    Hand hand{session};
+    hand.tools.choose(GizmoMode::turn);
+    const auto rings = gizmo_shape(GizmoMode::turn, {glm::dvec3(*session.middle_of_selected())}, hand.view);
+    const auto& ring = rings[1].points;
+    hand.drag(ring[ring.size() / 2], ring[ring.size() / 2 + 5], {.control = true});
+    const double angle = session.recipe().objects[1].placement.rotation.y;
+    CHECK(angle == 30.0);
+    for (const uint32_t k : {1u, 2u}) {
+        const double side = k == 1 ? 0.5 : -0.5;
+        const ObjectPlacement& place = session.recipe().objects[k].placement;
+        CHECK(place.rotation.y == angle);
+        CHECK(place.translation.x == doctest::Approx(side * std::cos(glm::radians(angle))).epsilon(1e-5));
+        CHECK(place.translation.z == doctest::Approx(-side * std::sin(glm::radians(angle))).epsilon(1e-5));
+    }
+}
+
+TEST_CASE("studio scene: a box selects what is wholly within it, but nothing that is hidden or locked") {
+    const Folder folder;
+    Room room(table_top(folder));
+    if (!room.device) return;
+    Session& session = *room.session;
+    Hand hand{session};
+    const glm::vec2 low = hand.pixel({0.5f, 1.0f, 0.0f}) - 80.0f, high = low + 160.0f;
+    hand.drag(low, high); // turns the view
+    CHECK(session.selected.empty());
+    hand.drag(high, low, {.shift = true}); // from any corner; the floor reaches beyond the box
+    CHECK(session.selected == std::vector<uint32_t>{1});
+    hand.drag(low, high, {.shift = true}); // adds
+    CHECK(session.selected == std::vector<uint32_t>{1});
+    session.selected.clear();
+    session.lock(1, true);
+    hand.drag(low, high, {.shift = true});
+    CHECK(session.selected.empty());
+    const glm::vec2 vase = hand.pixel({0.5f, 1.1f, 0.0f});
+    hand.button(true, vase);
+    hand.button(false, vase);
+    CHECK(session.selected.empty()); // what is behind it: nothing
+    session.lock(1, false);
+    hand.drag(low, low + 20.0f, {.shift = true}); // too small
+    CHECK(session.selected.empty());
+}
+
+TEST_CASE("studio scene: a hidden object is neither drawn nor hit until it is shown, and marks follow a new name") {
+    const Folder folder;
+    Room room(table_top(folder));
+    if (!room.device) return;
+    Session& session = *room.session;
+    const auto all = room.picture().pixels;
+    const auto under = [&] { return session.first_piece(glm::dvec3(0.5, 5.0, 0.0), down)->point.y; };
+    CHECK(under() == doctest::Approx(1.2));
+    session.hide(1, true);
+    CHECK(session.is_hidden(1));
+    CHECK(room.picture().pixels != all);
+    CHECK(under() == doctest::Approx(0.0)); // the floor
+    CHECK(session.document().saved());      // no edit of the recipe
+    session.rename(1, "jar");
+    REQUIRE(room.soon([&] { return session.quiet(); }));
+    CHECK(session.is_hidden(1));
+    CHECK(under() == doctest::Approx(0.0));
+    session.undo();
+    REQUIRE(room.soon([&] { return session.quiet(); }));
+    CHECK(session.is_hidden(1));
+    session.hide(1, false);
+    CHECK(under() == doctest::Approx(1.2));
+    CHECK(room.picture().pixels == all);
+    session.hide(1, true); // its pieces are hidden, too
+    session.strike(*below(session, 0.5), down);
+    REQUIRE(room.soon([&] { return session.counts()->pieces > 3; }));
+    const auto hit = session.first_piece(glm::dvec3(0.5, 5.0, 0.0), down);
+    CHECK(session.stage().simulation().member_of(hit->piece) == 0);
+}
+
+TEST_CASE("studio scene: objects lie on what is under the cursor, their lowest point on the surface") {
+    const Folder folder;
+    Room room(table_top(folder));
+    if (!room.device) return;
+    Session& session = *room.session;
+    const glm::dvec3 eye(0.0, 1.5, 5.0);
+    CHECK(session.surface_at(eye, down, {})->y == doctest::Approx(0.0)); // the ground beside the floor
+    CHECK_FALSE(session.surface_at(eye, -down, {}));
+    CHECK(session.surface_at({0.5, 5.0, 0.0}, down, {})->y == doctest::Approx(1.2));
+    const std::vector<uint32_t> vase{1};
+    CHECK(session.surface_at({0.5, 5.0, 0.0}, down, vase)->y == doctest::Approx(0.0));
+
+    session.select(1, false);
+    Hand hand{session};
+    hand.drag(hand.pixel({0.5f, 1.0f, 0.0f}), hand.pixel({-1.0f, 0.0f, 1.0f}), {.shift = true});
+    const fracture::Box& box = session.object().scene().objects[1].box;
+    CHECK(box.min.y == doctest::Approx(0.0));
+    CHECK(glm::distance(box.centre() * glm::dvec3(1, 0, 1), glm::dvec3(-1, 0, 1)) < 0.01);
+    session.undo();
+    REQUIRE(room.soon([&] { return session.quiet(); }));
+
+    folder.write("wedge.off", "OFF\n4 4 0\n0 -1 0\n1 -1 0\n0 0 0\n0 -1 1\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3\n");
+    engine::Input input;
+    input.dropped = {folder / "wedge.off"};
+    input.cursor = hand.pixel({-0.5f, 0.0f, 0.5f});
+    open_dropped(input, hand.view, session);
+    REQUIRE(room.soon([&] { return session.quiet() && session.object().scene().objects.size() == 3; }));
+    const fracture::Box& wedge = session.object().scene().objects[2].box;
+    CHECK(wedge.min.y == doctest::Approx(0.0).epsilon(1e-5));
+    CHECK(glm::distance(wedge.centre() * glm::dvec3(1, 0, 1), glm::dvec3(-0.5, 0, 0.5)) < 0.01);
+    session.undo(); // one step
+    CHECK(session.recipe().objects.size() == 2);
 }

@@ -72,7 +72,7 @@ TEST_CASE("session: a dropped file replaces the object, and a bad one leaves it 
         session.activity().say({});
         engine::Input input;
         input.dropped = {file};
-        open_dropped(input, session);
+        open_dropped(input, Viewport({}, {800.0f, 600.0f}, {}, {800.0f, 600.0f}), session);
         CHECK_FALSE(session.activity().message().fault); // read on a worker; the result arrives with an update
         REQUIRE(room.soon([&] { return session.activity().message().fault; }));
         CHECK(session.activity().message().text.find(fs::path(file).stem().string()) != std::string::npos);
@@ -82,7 +82,7 @@ TEST_CASE("session: a dropped file replaces the object, and a bad one leaves it 
     }
     engine::Input input;
     input.dropped = {open, good}; // the last one is opened
-    open_dropped(input, session);
+    open_dropped(input, Viewport({}, {800.0f, 600.0f}, {}, {800.0f, 600.0f}), session);
     REQUIRE(room.soon([&] { return session.object().name() == "good"; }));
     CHECK(session.recipe().mesh == good);
     CHECK_FALSE(session.activity().message().fault);

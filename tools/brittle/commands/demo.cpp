@@ -24,7 +24,8 @@ int run_demo(const DemoCommand& command) {
     const std::unique_ptr<engine::Device> device = open_device(command.view);
     {
         const ClassifyPath path = object->is_scene() ? ClassifyPath::cpu : classify_path(command.classify);
-        const ClassifyChoice choice = choose_classifier(path, *device, object->with_sites(options), options);
+        const Input input = object->is_scene() ? Input{} : object->with_sites(options);
+        const ClassifyChoice choice = choose_classifier(path, *device, input, options);
         std::fprintf(stderr, "brittle: classification on the %s\n", choice.why.c_str());
         const auto renderer = must(engine::Renderer::create(*device, renderer_settings(command.view)));
         const float scale = command.ui_scale > 0.0 ? static_cast<float>(command.ui_scale) : window->content_scale();

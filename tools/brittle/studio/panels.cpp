@@ -92,7 +92,43 @@ void draw_overlay(const Overlay& overlay, float scale) {
         const float width = (axis.strong ? 4.0f : 2.5f) * scale;
         list.AddLine(at(axis.from), at(axis.to), colours.outline, width + 2.0f * scale);
         list.AddLine(at(axis.from), at(axis.to), colours.axis[axis.axis], width);
-        list.AddCircleFilled(at(axis.to), 5.0f * scale, colours.axis[axis.axis]);
+        const float end = (axis.strong ? 6.0f : 5.0f) * scale;
+        if (axis.scales)
+            list.AddRectFilled({axis.to.x - end, axis.to.y - end}, {axis.to.x + end, axis.to.y + end},
+                               colours.axis[axis.axis]);
+        else
+            list.AddCircleFilled(at(axis.to), end, colours.axis[axis.axis]);
+    }
+    for (const Overlay::Ring& ring : overlay.rings) {
+        std::vector<ImVec2> points;
+        for (const glm::vec2& p : ring.points) points.push_back(at(p));
+        const float width = (ring.strong ? 4.0f : 2.5f) * scale;
+        const auto count = static_cast<int>(points.size());
+        list.AddPolyline(points.data(), count, colours.outline, ImDrawFlags_None, width + 2.0f * scale);
+        list.AddPolyline(points.data(), count, colours.axis[ring.axis], ImDrawFlags_None, width);
+    }
+    if (overlay.middle) {
+        const float half = (overlay.middle->strong ? 8.0f : 6.5f) * scale;
+        const glm::vec2 middle = overlay.middle->at;
+        const ImVec2 low{middle.x - half, middle.y - half}, high{middle.x + half, middle.y + half};
+        const float rounding = overlay.middle->scales ? 0.0f : half;
+        list.AddRectFilled(low, high, IM_COL32(244, 244, 246, 255), rounding);
+        list.AddRect(low, high, colours.outline, rounding, 0, 1.5f * scale);
+    }
+    if (overlay.box) {
+        const ImVec2 from = at((*overlay.box)[0]), to = at((*overlay.box)[1]);
+        const ImVec2 low{std::min(from.x, to.x), std::min(from.y, to.y)},
+            high{std::max(from.x, to.x), std::max(from.y, to.y)};
+        list.AddRectFilled(low, high, IM_COL32(236, 142, 66, 36));
+        list.AddRect(low, high, colours.accent, 0.0f, 0, 1.5f * scale);
+    }
+    if (!overlay.text.empty()) {
+        const ImVec2 mouse = ImGui::GetIO().MousePos, size = ImGui::CalcTextSize(overlay.text.c_str());
+        const ImVec2 low{mouse.x + 16.0f * scale, mouse.y + 14.0f * scale};
+        const float pad = 5.0f * scale;
+        list.AddRectFilled({low.x - pad, low.y - pad}, {low.x + size.x + pad, low.y + size.y + pad},
+                           IM_COL32(24, 24, 28, 220), 4.0f * scale);
+        list.AddText(low, IM_COL32(240, 236, 230, 255), overlay.text.c_str());
     }
     for (const Overlay::Spot& spot : overlay.spots) {
         list.AddCircleFilled(at(spot.centre), spot.radius, colours.anchor);

@@ -86,9 +86,23 @@ void Panels::object_list(Session& session) {
                       false);
     for (uint32_t k = 0; k < objects.size(); ++k) {
         const bool selected = std::ranges::find(session.selected, k) != session.selected.end();
+        const bool hidden = session.is_hidden(k), locked = session.is_locked(k);
         const std::string label = objects[k].name + "##" + std::to_string(k);
-        if (ImGui::Selectable(label.c_str(), selected))
-            session.select(k, ImGui::GetIO().KeyShift || ImGui::GetIO().KeyCtrl);
+        ImGui::PushID(static_cast<int>(k));
+        if (icon_button("eye", hidden ? Icon::closed_eye : Icon::eye, hidden,
+                        hidden ? "Hidden, but still there; click to show it" : "Hide it; it still collides"))
+            session.hide(k, !hidden);
+        ImGui::SameLine(0.0f, 0.0f);
+        if (icon_button("lock", locked ? Icon::padlock : Icon::open_padlock, locked,
+                        locked ? "Locked: clicks in the view pass it by; click to unlock it"
+                               : "Lock it: clicks and boxes in the view pass it by"))
+            session.lock(k, !locked);
+        ImGui::SameLine();
+        ImGui::PopID();
+        if (hidden) ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
+        const bool clicked = ImGui::Selectable(label.c_str(), selected);
+        if (hidden) ImGui::PopStyleColor();
+        if (clicked) session.select(k, ImGui::GetIO().KeyShift || ImGui::GetIO().KeyCtrl);
         if (selected && k == session.selected.back() && listed_ != session.selected && !ImGui::IsItemVisible())
             ImGui::SetScrollHereY(); // it was selected in the view
         const char* kind = name_of(kind_of(objects[k]));
@@ -103,7 +117,7 @@ void Panels::scene_panel(const PanelState& state) {
     Session& session = state.session;
     if (!begin_panel("Objects")) return;
     object_list(session);
-    control("Add", "Adds a shape at the origin of the scene; drop a mesh file on the window to add it");
+    control("Add", "Adds a shape where the view looks; drop a mesh file on the window to add it where you drop it");
     if (ImGui::BeginCombo("##Add", "a shape")) {
         for (const std::string_view name : fracture::shape_names())
             if (ImGui::Selectable(std::string(name).c_str())) session.add_object("shape:" + std::string(name));
@@ -135,7 +149,7 @@ void Panels::selected_objects(Session& session) {
         first.name.copy(name.data(), name.size() - 1);
         ImGui::SetNextItemWidth(-1.0f);
         if (ImGui::InputText("##Name", name.data(), name.size(), ImGuiInputTextFlags_EnterReturnsTrue) && name[0] != 0)
-            set([&](SceneObject& o) { o.name = name.data(); });
+            session.rename(session.selected.front(), name.data());
     }
     const std::string& material = first.recipe.material;
     control("Material", "Decides how it breaks, moves and looks (keys 1 to 6)");
@@ -173,9 +187,12 @@ void Panels::selected_objects(Session& session) {
         auto rough = static_cast<float>(first.recipe.rough.amount);
         if (slider("##Roughness", rough, 0.0f, 1.0f, first.recipe.rough.is_flat() ? "flat" : "%.2f"))
             set([rough](SceneObject& o) { o.recipe.rough.amount = double{rough}; });
-        control("Seed", "Equal seeds give equal cuts");
-        auto seed = static_cast<int>(std::min<uint64_t>(first.recipe.pattern.seed, 1'000'000));
-        if (ImGui::InputInt("##Seed", &seed))
+        const bool named = is_cut(kind) && first.recipe.automatic && first.recipe.automatic->named_seed;
+        control("Seed", named ? "Equal seeds give equal cuts; this one comes from the name, until you set it"
+                              : "Equal seeds give equal cuts");
+        auto seed = named ? 0 : static_cast<int>(std::min<uint64_t>(first.recipe.pattern.seed, 1'000'000));
+        constexpr int one = 1;
+        if (ImGui::InputScalar("##Seed", ImGuiDataType_S32, &seed, &one, nullptr, named ? "from the name" : "%d"))
             set([seed](SceneObject& o) {
                 o.recipe.pattern.seed = static_cast<uint64_t>(std::clamp(seed, 0, 1'000'000));
                 if (o.recipe.automatic) o.recipe.automatic->named_seed = false;

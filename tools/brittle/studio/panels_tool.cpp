@@ -1,5 +1,6 @@
 // The panel of the selected tool: its settings and its selection.
 #include <algorithm>
+#include <array>
 #include <functional>
 #include <numbers>
 #include <numeric>
@@ -11,6 +12,7 @@
 
 #include "tools/brittle/recipe/recipe.h"
 #include "tools/brittle/studio/panels.h"
+#include "tools/brittle/studio/style.h"
 #include "tools/brittle/studio/widgets.h"
 
 namespace brittle::tools {
@@ -19,10 +21,50 @@ namespace {
 
 constexpr float max_weight_shown = 1.0f; // m^2, on the stage, where the mesh is 2 m long
 
+// What lengths on the stage compare to: a mesh without units is scaled, anything else has its true size.
+const char* note_on_size(const Session& session) {
+    const bool is_fit = !session.object().is_scene() && session.recipe().units == LengthUnit::fit;
+    return is_fit ? "; the mesh is 2 m long on the stage" : "";
+}
+
+// The gizmo on the selected objects of a scene that stands.
+void gizmo_buttons(Tools& tools) {
+    constexpr std::array<const char*, 3> names{"Move", "Turn", "Scale"};
+    constexpr std::array<const char*, 3> tips{
+        "Arrows move along an axis, the dot in the view's plane; Shift lays them on what is under the cursor (W)",
+        "Rings turn about an axis (E)", "Squares scale along an axis, the one in the middle evenly (T)"};
+    for (size_t k = 0; k < names.size(); ++k) {
+        const auto mode = static_cast<GizmoMode>(k);
+        const bool active = tools.gizmo() == mode;
+        if (active) {
+            ImGui::PushStyleColor(ImGuiCol_Button, StudioColours{}.accent);
+            ImGui::PushStyleColor(ImGuiCol_ButtonHovered, StudioColours{}.accent);
+            ImGui::PushStyleColor(ImGuiCol_Text, IM_COL32(24, 20, 16, 255));
+        }
+        if (wide_button(names[k], "", 1.0f / static_cast<float>(names.size() - k))) tools.choose(mode);
+        if (active) ImGui::PopStyleColor(3);
+        tip(tips[k]);
+        if (k + 1 < names.size()) ImGui::SameLine();
+    }
+    switch (tools.gizmo()) {
+    case GizmoMode::move:
+        explain("Ctrl: steps of 0.1 m. Shift + the dot: onto what is under the cursor.");
+        break;
+    case GizmoMode::turn:
+        explain("Ctrl: steps of 15 degrees.");
+        break;
+    case GizmoMode::scale:
+        explain("Ctrl: steps of a tenth. One object is scaled along its own axes.");
+        break;
+    }
+}
+
 void selected_piece(const Session& session) {
     if (!session.piece || !session.pieces().contains(*session.piece) || !session.counts()) {
-        explain(session.broken() ? "Click a piece to see its volume."
-                                 : "Drag turns the view. Once it is broken, click a piece to see its volume.");
+        const bool stands = session.object().is_scene() && !session.playing();
+        explain(stands             ? "Drag turns the view. Click an object to move it; Shift + drag selects several."
+                : session.broken() ? "Click a piece to see its volume."
+                                   : "Drag turns the view. Once it is broken, click a piece to see its volume.");
         return;
     }
     if (session.object().is_scene()) {
@@ -44,7 +86,8 @@ void selected_piece(const Session& session) {
 // Settings of the hammer. In a breakable world the number of pieces is a maximum, a setting of the world; otherwise it
 // belongs to the hammer.
 void hammer_settings(Session& session, const std::function<void(const WorldOptions&)>& set_world) {
-    control("Radius", "Radius of the part that a blow breaks (Shift + wheel); the mesh is 2 m long on the stage");
+    control("Radius",
+            (std::string("Radius of the part that a blow breaks (Shift + wheel)") + note_on_size(session)).c_str());
     (void)slider("##radius", session.tools.hammer_radius, 0.05f, 1.5f, "%.2f m");
     if (session.object().is_scene()) {
         explain("Lines: where a click cuts what lies still.");
@@ -68,7 +111,7 @@ void hammer_settings(Session& session, const std::function<void(const WorldOptio
 void ball_settings(Session& session) {
     control("Speed", "Speed of balls");
     (void)slider("##speed", session.tools.ball_speed, 1.0f, 40.0f, "%.0f m/s");
-    control("Radius", "Radius of the ball (Shift + wheel); the mesh is 2 m long on the stage");
+    control("Radius", (std::string("Radius of the ball (Shift + wheel)") + note_on_size(session)).c_str());
     (void)slider("##ball radius", session.tools.ball_radius, 0.02f, 0.5f, "%.2f m");
     const double r = session.tools.ball_radius;
     const double mass = 4.0 / 3.0 * std::numbers::pi * r * r * r * Shot{}.density;
@@ -77,7 +120,7 @@ void ball_settings(Session& session) {
 
 void anchor_settings(Session& session) {
     const size_t count = session.recipe().world.anchors.size();
-    control("Radius", "Radius of the brush (Shift + wheel); the mesh is 2 m long on the stage");
+    control("Radius", (std::string("Radius of the brush (Shift + wheel)") + note_on_size(session)).c_str());
     (void)slider("##brush", session.tools.brush_radius, 0.02f, 0.5f, "%.2f m");
     value("Painted", count == 1 ? "%zu spot" : "%zu spots", count);
     ImGui::BeginDisabled(count == 0 || session.broken());
@@ -97,7 +140,10 @@ void Panels::tool_panel(const PanelState& state, float rows) {
     const float top = ImGui::GetCursorPosY();
     switch (state.tools.tool()) {
     case Tool::inspect:
-        selected_piece(state.session);
+        if (state.session.middle_of_selected())
+            gizmo_buttons(state.tools);
+        else
+            selected_piece(state.session);
         break;
     case Tool::sites:
         site_tools(state);

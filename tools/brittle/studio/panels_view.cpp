@@ -89,7 +89,7 @@ bool how_it_breaks(WorldOptions& world) {
         }
     }
     if (!world.anchored) {
-        control("Drop height", "Initial height of the mesh above the ground; the mesh is 2 m long on the stage");
+        control("Drop height", "Initial height of the mesh above the ground");
         auto height = static_cast<float>(world.height);
         if (slider("##Height", height, 0.0f, 5.0f, "%.2f m")) {
             world.height = height;

@@ -87,7 +87,8 @@ std::optional<double> PieceView::distance_to(uint32_t piece, const glm::dvec3& f
                                from + fragment.mass.centre_of_mass, direction);
 }
 
-std::optional<PieceHit> PieceView::first(const glm::dvec3& from, const glm::dvec3& direction) const {
+std::optional<PieceHit> PieceView::first(const glm::dvec3& from, const glm::dvec3& direction,
+                                         const std::function<bool(uint32_t piece)>& skips) const {
     std::optional<PieceHit> nearest;
     for (const uint32_t piece : numbers()) {
         const std::optional<engine::BodyPose> at = pose(piece);
@@ -99,6 +100,7 @@ std::optional<PieceHit> PieceView::first(const glm::dvec3& from, const glm::dvec
         const glm::dquat back = glm::conjugate(glm::dquat(at->rotation));
         const glm::dvec3 origin = back * (from - centre), way = back * direction;
         const std::optional<double> distance = distance_to(piece, origin, way);
+        if (distance && skips && skips(piece)) continue;
         if (!distance || (nearest && nearest->distance <= *distance)) continue;
         nearest =
             PieceHit{piece, glm::vec3(from + *distance * direction), glm::vec3(origin + *distance * way), *distance};

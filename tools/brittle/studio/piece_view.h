@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
@@ -44,8 +45,9 @@ struct PieceView {
     // The box around the ball of that radius, as drawn; nothing for a piece that is too new to have been drawn.
     [[nodiscard]] std::optional<engine::Bounds> bounds(uint32_t piece) const;
 
-    // Returns the nearest piece along a ray. `direction` is a unit vector.
-    [[nodiscard]] std::optional<PieceHit> first(const glm::dvec3& from, const glm::dvec3& direction) const;
+    // Returns the nearest piece along a ray, of those for which `skips` is false. `direction` is a unit vector.
+    [[nodiscard]] std::optional<PieceHit> first(const glm::dvec3& from, const glm::dvec3& direction,
+                                                const std::function<bool(uint32_t piece)>& skips = {}) const;
 
   private:
     [[nodiscard]] std::optional<double> distance_to(uint32_t piece, const glm::dvec3& from,

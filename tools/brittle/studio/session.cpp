@@ -188,6 +188,7 @@ void Session::adopt(std::shared_ptr<const Object> object, std::vector<PreparedOb
     if (!object_->is_scene() && files_.opened) files_.opened(recipe().mesh);
     if (object_->is_scene() && !(before->is_scene() && before->scene().notes == object_->scene().notes)) tell_notes();
     playing_ = std::exchange(play_due_, false) && object_->is_scene();
+    if (object_->is_scene()) lay_down();
 }
 
 void Session::take_sites(uint64_t gesture) {
@@ -356,6 +357,7 @@ void Session::step_once() {
 void Session::report(const Failure& failure, const std::string& mend) {
     shot_.reset();
     play_due_ = false;
+    lay_down_.reset();
     if (failure.code() == exit_environment) throw failure; // the device is gone
     if (failure.code() == exit_interrupted)
         activity_.say({"cancelled"});
@@ -364,6 +366,11 @@ void Session::report(const Failure& failure, const std::string& mend) {
 }
 
 // --- each frame ---
+
+void Session::watch(const engine::Camera& camera, float aspect) {
+    camera_ = camera;
+    stage_->watch(camera, aspect);
+}
 
 void Session::update(double seconds) {
     activity_.deliver();

@@ -18,6 +18,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -68,8 +69,28 @@ class Session {
     // Changes the selected objects of a scene.
     void change_selected(const std::function<void(SceneObject&)>& change, uint64_t gesture = 0);
     void duplicate_selected();
-    // Adds an object with a mesh, a file or shape:NAME, at the origin of the scene, and selects it.
-    void add_object(const std::string& mesh);
+    // Adds an object with a mesh, a file or shape:NAME, and selects it. It lies at a point, or on what is in the middle of
+    // the view.
+    void add_object(const std::string& mesh, const std::optional<glm::dvec3>& at = std::nullopt);
+    // Sets the places of objects; both lists are equally long.
+    void set_places(std::span<const uint32_t> objects, std::span<const ObjectPlacement> places, uint64_t gesture);
+    // Selects, beside those that are selected, the objects of which every corner of the box is within a region.
+    void select_within(const std::function<bool(const glm::vec3& corner)>& contains);
+    // The box around the selected objects; nothing without one, and while the scene is played.
+    [[nodiscard]] std::optional<engine::Bounds> box_of_selected() const;
+    // The point on the surface of other objects, or of the ground, that a ray meets; nothing where it meets none.
+    [[nodiscard]] std::optional<glm::dvec3> surface_at(const glm::dvec3& from, const glm::dvec3& direction,
+                                                       std::span<const uint32_t> except) const;
+    // A hidden object is not drawn, and the mouse passes it by; it still collides. A locked one is not selected in the
+    // view. Neither is part of the recipe. Kept by name.
+    [[nodiscard]] bool is_hidden(uint32_t object) const;
+    [[nodiscard]] bool is_locked(uint32_t object) const;
+    void hide(uint32_t object, bool hidden);
+    void lock(uint32_t object, bool locked);
+    void rename(uint32_t object, const std::string& name, uint64_t gesture = 0);
+    // The nearest piece along a ray that is drawn; for selection, also not of a locked object.
+    [[nodiscard]] std::optional<PieceHit> first_piece(const glm::dvec3& from, const glm::dvec3& direction,
+                                                      bool selects = false) const;
     // The middle of the boxes of the selected objects; nothing without one, and while the scene is played.
     [[nodiscard]] std::optional<glm::vec3> middle_of_selected() const;
     void remove_selected(); // the last object stays: a scene needs one
@@ -121,7 +142,7 @@ class Session {
     [[nodiscard]] StagePreview& preview() { return preview_; }
 
     // --- each frame ---
-    void watch(const engine::Camera& camera, float aspect) { stage_->watch(camera, aspect); } // before update()
+    void watch(const engine::Camera& camera, float aspect); // before update()
     void update(double seconds);
     [[nodiscard]] engine::Scene scene(const engine::Camera& camera);
 
@@ -150,6 +171,11 @@ class Session {
     void adopt(std::shared_ptr<const Object> object, std::vector<PreparedObject> parts = {});
     void make_stage(std::vector<PreparedObject> parts = {});
     void stand_scene(std::vector<PreparedObject> parts);
+    void show_hidden();
+    void forget_marks(); // of another scene
+    void lay_down();
+    [[nodiscard]] std::optional<uint32_t> object_named(const std::string& name) const;
+    [[nodiscard]] const std::string* name_on_stage(uint32_t object) const; // null for one that is not there
     void tell_notes(std::span<const std::string> of_level = {});
     void leave_piece();
     void start_breaking(const WorldOptions& world);
@@ -174,12 +200,21 @@ class Session {
     std::optional<std::array<glm::vec3, 2>> shot_; // ball to shoot when the pieces are there: from, direction
     std::optional<AimedBlow> blow_;                // blow to strike when the pieces are there
     std::vector<engine::LineVertex> lines_;
-    std::vector<physics::Pose> stood_; // by object of a scene: its place on the stage
-    uint64_t reads_ = 0;               // number of reads so far
-    uint64_t valid_reads_ = 1;         // the first read whose result is still wanted
-    bool moved_ = false;               // objects are drawn away from their places on the stage
-    bool play_due_ = false;            // time begins once the scene is read
-    uint64_t stages_ = 0;              // number of stages so far; pieces made for an older one are dropped
+    std::vector<physics::Pose> stood_;      // by object of a scene: its place on the stage
+    uint64_t reads_ = 0;                    // number of reads so far
+    uint64_t valid_reads_ = 1;              // the first read whose result is still wanted
+    std::set<std::string> hidden_, locked_; // names of objects
+    // An object that was added lies down once its mesh is known.
+    struct LayDown {
+        std::string name;
+        glm::dvec3 at;
+        uint64_t gesture;
+    };
+    std::optional<LayDown> lay_down_;
+    std::optional<engine::Camera> camera_; // of the last frame
+    bool moved_ = false;                   // objects are drawn away from their places on the stage
+    bool play_due_ = false;                // time begins once the scene is read
+    uint64_t stages_ = 0;                  // number of stages so far; pieces made for an older one are dropped
     bool fractured_ = false;
     bool playing_ = false;
     bool single_step_ = false;

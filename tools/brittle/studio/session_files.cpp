@@ -46,6 +46,7 @@ void SessionFiles::open(const std::string& path, bool repair) {
                 is_recipe || from_scene ? session_.document_.apply(SetRecipe{options})
                                         : session_.document_.apply(SetMesh{path, repair});
                 session_.selected.clear();
+                session_.forget_marks();
                 session_.adopt(object, std::move(*parts));
                 if (!notes.empty()) session_.tell_notes(notes);
                 if (is_recipe) {

@@ -116,7 +116,7 @@ bool Studio::is_lively() const {
 }
 
 void Studio::handle(const engine::Input& input, double seconds) {
-    open_dropped(input, session_);
+    open_dropped(input, viewport(), session_);
     if (dialog_.is_open()) {
         if (input.pressed(engine::Key::escape)) dialog_.close();
         if (input.pressed(engine::Key::enter)) dialog_.confirm();
@@ -206,6 +206,10 @@ void Studio::perform(Command action) {
     const auto tool = static_cast<size_t>(action) - static_cast<size_t>(Command::tool_inspect);
     if (tool < all_tools.size()) {
         tools_.choose(all_tools[tool], session_);
+        return;
+    }
+    if (const auto mode = static_cast<size_t>(action) - static_cast<size_t>(Command::gizmo_move); mode < 3) {
+        tools_.choose(static_cast<GizmoMode>(mode));
         return;
     }
     const auto material = static_cast<size_t>(action) - static_cast<size_t>(Command::material_1);

@@ -6,6 +6,7 @@
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
 
 namespace brittle::tools {
 
@@ -20,7 +21,7 @@ constexpr int max_dabs = 100;        // maximum in one frame
 constexpr float radius_step = 1.12f; // factor per notch of the wheel
 
 constexpr std::array infos{
-    ToolInfo{"Inspect", "F1", "drag to look around, click a piece to select it"},
+    ToolInfo{"Inspect", "F1", "drag to look around, click to select (Shift: more, Shift + drag: a box)"},
     ToolInfo{"Sites", "F2", "click to place a site, drag one to move it (Alt: halfway through, Ctrl: select more)"},
     ToolInfo{"Hammer", "F3", "click to break off what is near (Shift + wheel: radius)"},
     ToolInfo{"Shoot", "F4", "click to fire a ball (Shift + wheel: its radius)"},
@@ -41,34 +42,19 @@ float distance_to_segment(glm::vec2 p, glm::vec2 a, glm::vec2 b) {
     return glm::distance(p, a + t * along);
 }
 
-// Returns the intersection of a ray with the plane through a point that faces the eye.
-glm::dvec3 on_view_plane(const Ray& ray, const glm::dvec3& through, const Viewport& view) {
-    const glm::dvec3 normal(view.forward());
-    const double along = glm::dot(ray.direction, normal);
-    return along > 1e-6 ? ray.from + glm::dot(through - ray.from, normal) / along * ray.direction : through;
-}
-
-// Returns the point of the axis through `at` that is nearest to the ray.
-glm::dvec3 on_axis(const Ray& ray, const glm::dvec3& at, const glm::dvec3& axis) {
-    const glm::dvec3 to = at - ray.from;
-    const double b = glm::dot(axis, ray.direction), d = 1.0 - b * b;
-    if (d < 1e-6) return at; // the ray is parallel to the axis
-    return at + (b * glm::dot(ray.direction, to) - glm::dot(axis, to)) / d * axis;
-}
-
 } // namespace
 
 const ToolInfo& info_of(Tool tool) {
     return infos[static_cast<size_t>(tool)];
 }
 
-void open_dropped(const engine::Input& input, Session& session) {
+void open_dropped(const engine::Input& input, const Viewport& view, Session& session) {
     if (input.dropped.empty()) return;
     const std::string& file = input.dropped.back();
-    if (session.object().is_scene() && !file.ends_with(".json"))
-        session.add_object(file);
-    else
-        session.files().open(file);
+    if (!session.object().is_scene() || file.ends_with(".json")) return session.files().open(file);
+    const Ray ray = view.ray(input.cursor);
+    session.add_object(file,
+                       view.is_free(input.cursor) ? session.surface_at(ray.from, ray.direction, {}) : std::nullopt);
 }
 
 void Tools::choose(Tool tool, Session& session) {
@@ -82,6 +68,7 @@ void Tools::choose(Tool tool, Session& session) {
 void Tools::handle(const engine::Input& input, const Viewport& view, bool free, Session& session,
                    Navigation& navigation) {
     cursor_ = input.cursor;
+    modifiers_ = input.modifiers;
     // Press, drag and release may all arrive in one slow frame.
     bool orbits = drag_ == Drag::orbit, right = right_, middle = middle_;
     for (const engine::ButtonEvent& event : input.buttons) {
@@ -129,10 +116,7 @@ void Tools::press(const engine::ButtonEvent& event, const Viewport& view, Sessio
     const Ray ray = view.ray(event.cursor);
     switch (tool_) {
     case Tool::inspect:
-        if (const auto axis = axis_at(event.cursor, view, session))
-            hold_axis(*axis, event.cursor, view, session);
-        else
-            drag_ = Drag::orbit;
+        press_inspect(event, view, session);
         break;
     case Tool::sites:
         press_sites(event, view, session);
@@ -142,7 +126,7 @@ void Tools::press(const engine::ButtonEvent& event, const Viewport& view, Sessio
         break;
     case Tool::hammer:
         if (session.broken()) {
-            if (const auto hit = session.pieces().first(ray.from, ray.direction)) session.strike(*hit, ray.direction);
+            if (const auto hit = session.first_piece(ray.from, ray.direction)) session.strike(*hit, ray.direction);
         } else if (const auto hit = session.object().first_hit(ray.from, ray.direction)) {
             session.strike(hit->point, ray.direction);
         }
@@ -151,7 +135,7 @@ void Tools::press(const engine::ButtonEvent& event, const Viewport& view, Sessio
         session.shoot(glm::vec3(ray.from), glm::vec3(ray.direction));
         break;
     case Tool::grab:
-        if (const auto hit = session.pieces().first(ray.from, ray.direction)) {
+        if (const auto hit = session.first_piece(ray.from, ray.direction)) {
             drag_ = Drag::grab;
             target_ = hit->point;
             session.grab(*hit);
@@ -163,21 +147,94 @@ void Tools::press(const engine::ButtonEvent& event, const Viewport& view, Sessio
 }
 
 void Tools::release(const engine::ButtonEvent& event, const Viewport& view, Session& session) {
-    if (tool_ == Tool::inspect && drag_ == Drag::orbit && glm::distance(event.cursor, pressed_at_) <= click_slack) {
-        const Ray ray = view.ray(event.cursor);
-        const auto hit = session.pieces().first(ray.from, ray.direction);
-        session.piece = hit ? std::optional(hit->piece) : std::nullopt;
-        if (session.object().is_scene() && hit)
-            session.select(session.stage().simulation().member_of(hit->piece), event.modifiers.shift);
-        else if (!event.modifiers.shift)
-            session.selected.clear();
+    modifiers_ = event.modifiers;
+    const bool clicked = glm::distance(event.cursor, pressed_at_) <= click_slack;
+    if (tool_ == Tool::inspect && clicked && (drag_ == Drag::orbit || drag_ == Drag::box)) {
+        click_inspect(event, view, session);
+    } else if (drag_ == Drag::box) {
+        const glm::vec2 low = glm::min(event.cursor, pressed_at_), high = glm::max(event.cursor, pressed_at_);
+        session.select_within([&](const glm::vec3& corner) {
+            const auto at = view.pixel(corner);
+            return at && glm::clamp(*at, low, high) == *at;
+        });
     }
     drag_to(event.cursor, view, session); // the rest of the path
     left_ = false;
+    held_.reset();
     if (std::exchange(drag_, Drag::none) == Drag::grab) session.let_go();
 }
 
-// Begins to drag the selected sites, or objects of a scene, along an axis.
+// A handle of the gizmo is dragged; with Shift, a box is drawn; else the view turns.
+void Tools::press_inspect(const engine::ButtonEvent& event, const Viewport& view, Session& session) {
+    const bool edits = session.object().is_scene() && !session.playing();
+    const auto frame = gizmo_frame(session);
+    const auto handle = frame ? gizmo_handle_at(event.cursor, gizmo_shape(gizmo_, *frame, view)) : std::nullopt;
+    if (!handle) {
+        drag_ = edits && event.modifiers.shift ? Drag::box : Drag::orbit;
+        return;
+    }
+    drag_ = Drag::gizmo;
+    gesture_ = session.begin_gesture();
+    held_.emplace(*handle, *frame, event.cursor, view);
+    held_box_ = session.box_of_selected().value_or(engine::Bounds{});
+    held_objects_ = session.selected;
+    held_places_.clear();
+    held_text_.clear();
+    for (const uint32_t k : held_objects_) held_places_.push_back(session.recipe().objects[k].placement);
+}
+
+void Tools::click_inspect(const engine::ButtonEvent& event, const Viewport& view, Session& session) const {
+    const Ray ray = view.ray(event.cursor);
+    const auto hit = session.first_piece(ray.from, ray.direction, !session.playing());
+    session.piece = hit ? std::optional(hit->piece) : std::nullopt;
+    if (session.object().is_scene() && hit)
+        session.select(session.stage().simulation().member_of(hit->piece), event.modifiers.shift);
+    else if (!event.modifiers.shift)
+        session.selected.clear();
+}
+
+// The gizmo stands in the middle of the selected objects. A single one is scaled along its own axes.
+std::optional<GizmoFrame> Tools::gizmo_frame(const Session& session) const {
+    if (tool_ != Tool::inspect) return std::nullopt;
+    const auto middle = session.middle_of_selected();
+    if (!middle) return std::nullopt;
+    GizmoFrame frame{glm::dvec3(*middle)};
+    const std::vector<SceneObject>& objects = session.recipe().objects;
+    if (gizmo_ == GizmoMode::scale && session.selected.size() == 1 && session.selected[0] < objects.size()) {
+        frame.axes = glm::mat3_cast(rotation_of(objects[session.selected[0]].placement));
+        frame.own = true;
+    }
+    return frame;
+}
+
+void Tools::drag_gizmo(glm::vec2 cursor, const Viewport& view, Session& session) {
+    if (!held_ || session.selected != held_objects_) return;
+    const GizmoHandle& handle = held_->handle();
+    if (handle.mode == GizmoMode::move && handle.axis == 3 && modifiers_.shift) {
+        lay_on_surface(cursor, view, session);
+        return;
+    }
+    const GizmoChange change = held_->change(cursor, view, modifiers_.control);
+    held_text_ = held_->text(change);
+    std::vector<ObjectPlacement> places;
+    for (const ObjectPlacement& before : held_places_) places.push_back(held_->place(before, change));
+    session.set_places(held_objects_, places, gesture_);
+}
+
+// Moves the held objects so that the middle of their foot is on the surface under the cursor.
+void Tools::lay_on_surface(glm::vec2 cursor, const Viewport& view, Session& session) {
+    const Ray ray = view.ray(cursor);
+    const auto at = session.surface_at(ray.from, ray.direction, held_objects_);
+    if (!at) return;
+    const glm::dvec3 centre(held_box_.centre());
+    const GizmoChange change{.move = *at - glm::dvec3(centre.x, double{held_box_.min.y}, centre.z)};
+    held_text_ = "on the surface";
+    std::vector<ObjectPlacement> places;
+    for (const ObjectPlacement& before : held_places_) places.push_back(held_->place(before, change));
+    session.set_places(held_objects_, places, gesture_);
+}
+
+// Begins to drag the selected sites along an axis.
 void Tools::hold_axis(int axis, glm::vec2 pixel, const Viewport& view, Session& session) {
     gesture_ = session.begin_gesture();
     drag_ = Drag::axis;
@@ -279,6 +336,10 @@ void Tools::drag_to(glm::vec2 cursor, const Viewport& view, Session& session) {
         session.drag(target_);
         return;
     }
+    if (drag_ == Drag::gizmo) {
+        drag_gizmo(cursor, view, session);
+        return;
+    }
     if (drag_ != Drag::site && drag_ != Drag::axis) return;
     if (drag_ == Drag::site && glm::distance(cursor, pressed_at_) <= click_slack && session.recipe().points.empty())
         return;
@@ -287,10 +348,6 @@ void Tools::drag_to(glm::vec2 cursor, const Viewport& view, Session& session) {
     const glm::dvec3 by = (now - dragged_) / session.object().scale();
     if (by == glm::dvec3(0.0)) return;
     dragged_ = now;
-    if (session.object().is_scene()) {
-        session.change_selected([by](SceneObject& object) { object.placement.translation += by; }, gesture_);
-        return;
-    }
     session.take_sites(gesture_);
     session.edit(MoveSites{session.sites().selection, by}, gesture_);
 }
@@ -298,7 +355,10 @@ void Tools::drag_to(glm::vec2 cursor, const Viewport& view, Session& session) {
 void Tools::aim(const engine::Input& input, const Viewport& view, bool free, Session& session) {
     hovered_.reset();
     aimed_.reset();
+    over_.reset();
     const bool over = free && view.is_free(input.cursor);
+    if (const auto frame = over && !left_ ? gizmo_frame(session) : std::nullopt)
+        over_ = gizmo_handle_at(input.cursor, gizmo_shape(gizmo_, *frame, view));
     if (tool_ == Tool::sites && over && !left_) hovered_ = site_at(input.cursor, view, session);
     if (tool_ == Tool::hammer) session.preview().aim_nowhere();
     if (!over) return;
@@ -308,7 +368,7 @@ void Tools::aim(const engine::Input& input, const Viewport& view, bool free, Ses
         if (const auto hit = session.object().first_hit(ray.from, ray.direction)) aimed_ = glm::vec3(hit->point);
     if (tool_ != Tool::hammer) return;
     if (session.broken()) {
-        const auto hit = session.pieces().first(ray.from, ray.direction);
+        const auto hit = session.first_piece(ray.from, ray.direction);
         if (!hit) return;
         aimed_ = hit->point;
         if (!turning) session.preview().aim(*hit, ray.direction);
@@ -335,7 +395,6 @@ std::optional<uint32_t> Tools::site_at(glm::vec2 pixel, const Viewport& view, co
 }
 
 std::optional<glm::vec3> Tools::gizmo_at(const Session& session) const {
-    if (session.object().is_scene()) return tool_ == Tool::inspect ? session.middle_of_selected() : std::nullopt;
     if (tool_ != Tool::sites || session.broken() || session.sites().selection.empty()) return std::nullopt;
     glm::dvec3 sum(0.0);
     for (const uint32_t s : session.sites().selection) sum += session.sites().on_stage()[s];
@@ -382,6 +441,8 @@ Overlay Tools::overlay(const Viewport& view, const Session& session) const {
     if (drag_ == Drag::grab)
         if (const auto at = view.pixel(target_)) overlay.string = {*at, cursor_};
     if (tool_ == Tool::sites && !session.broken()) ring_sites(view, session, overlay);
+    if (drag_ == Drag::box && glm::distance(cursor_, pressed_at_) > click_slack) overlay.box = {pressed_at_, cursor_};
+    draw_gizmo(view, session, overlay);
     const auto centre = gizmo_at(session);
     const auto from = centre ? view.pixel(*centre) : std::nullopt;
     if (!from) return overlay;
@@ -390,6 +451,22 @@ Overlay Tools::overlay(const Viewport& view, const Session& session) const {
         if (const auto to = view.pixel(*centre + metres * axis_vector(k)))
             overlay.axes.push_back({*from, *to, k, drag_ == Drag::axis && axis_ == k});
     return overlay;
+}
+
+void Tools::draw_gizmo(const Viewport& view, const Session& session, Overlay& overlay) const {
+    const auto frame = gizmo_frame(session);
+    if (!frame || drag_ == Drag::box) return;
+    const std::optional<GizmoHandle> strong = held_ ? std::optional(held_->handle()) : over_;
+    for (GizmoLine& line : gizmo_shape(gizmo_, *frame, view)) {
+        const bool is_strong = strong == line.handle, scales = gizmo_ == GizmoMode::scale;
+        if (line.handle.axis == 3)
+            overlay.middle = Overlay::Middle{line.points[0], is_strong, scales};
+        else if (gizmo_ == GizmoMode::turn)
+            overlay.rings.push_back({std::move(line.points), line.handle.axis, is_strong});
+        else
+            overlay.axes.push_back({line.points[0], line.points[1], line.handle.axis, is_strong, scales});
+    }
+    if (held_) overlay.text = held_text_;
 }
 
 void Tools::remove_selected(Session& session) const {

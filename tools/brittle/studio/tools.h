@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "engine/core/window.h"
+#include "tools/brittle/studio/gizmo.h"
 #include "tools/brittle/studio/navigation.h"
 #include "tools/brittle/studio/session.h"
 #include "tools/brittle/studio/viewport.h"
@@ -41,21 +42,39 @@ struct Overlay {
         glm::vec2 from, to;
         int axis; // 0, 1, 2
         bool strong;
+        bool scales = false; // ends in a square
+    };
+    struct Ring {
+        std::vector<glm::vec2> points;
+        int axis;
+        bool strong;
+    };
+    struct Middle { // the handle in the middle of the gizmo
+        glm::vec2 at;
+        bool strong, scales;
     };
     std::vector<Circle> circles;
     std::vector<Spot> spots;
-    std::vector<Axis> axes;                         // axes of the move gizmo
+    std::vector<Axis> axes;  // axes of the gizmo
+    std::vector<Ring> rings; // of the gizmo that turns
+    std::optional<Middle> middle;
+    std::optional<std::array<glm::vec2, 2>> box;    // corners of the selection
+    std::string text;                               // what a drag does, beside the cursor
     std::vector<glm::vec2> idle;                    // sites without effect
     std::optional<std::array<glm::vec2, 2>> string; // from the grabbed point to the cursor
 };
 
-// Opens a mesh or a recipe that was dropped on the window; the last one of several.
-void open_dropped(const engine::Input& input, Session& session);
+// Opens a mesh or a recipe that was dropped on the window; the last one of several. A mesh that joins a scene lies on
+// what is under the cursor.
+void open_dropped(const engine::Input& input, const Viewport& view, Session& session);
 
 class Tools {
   public:
     [[nodiscard]] Tool tool() const { return tool_; }
     void choose(Tool tool, Session& session);
+
+    [[nodiscard]] GizmoMode gizmo() const { return gizmo_; }
+    void choose(GizmoMode mode) { gizmo_ = mode; }
 
     // `free`: the mouse is over the scene and not over a panel.
     void handle(const engine::Input& input, const Viewport& view, bool free, Session& session, Navigation& navigation);
@@ -71,7 +90,7 @@ class Tools {
     void mirror_selected(Session& session, int axis) const;
 
   private:
-    enum class Drag { none, orbit, site, axis, grab, paint, rub_out };
+    enum class Drag { none, orbit, site, axis, gizmo, box, grab, paint, rub_out };
 
     void press(const engine::ButtonEvent& event, const Viewport& view, Session& session);
     void release(const engine::ButtonEvent& event, const Viewport& view, Session& session);
@@ -87,6 +106,12 @@ class Tools {
     [[nodiscard]] std::optional<int> axis_at(glm::vec2 pixel, const Viewport& view, const Session& session) const;
     [[nodiscard]] std::optional<glm::vec3> gizmo_at(const Session& session) const;
     void hold_axis(int axis, glm::vec2 pixel, const Viewport& view, Session& session);
+    void press_inspect(const engine::ButtonEvent& event, const Viewport& view, Session& session);
+    void click_inspect(const engine::ButtonEvent& event, const Viewport& view, Session& session) const;
+    [[nodiscard]] std::optional<GizmoFrame> gizmo_frame(const Session& session) const;
+    void drag_gizmo(glm::vec2 cursor, const Viewport& view, Session& session);
+    void lay_on_surface(glm::vec2 cursor, const Viewport& view, Session& session);
+    void draw_gizmo(const Viewport& view, const Session& session, Overlay& overlay) const;
 
     Tool tool_ = Tool::inspect;
     Drag drag_ = Drag::none;
@@ -94,7 +119,15 @@ class Tools {
     glm::vec2 cursor_{0.0f}, pressed_at_{0.0f}, painted_to_{0.0f};
     uint64_t gesture_ = 0;
     int axis_ = 0;
-    glm::dvec3 dragged_{0.0}; // last position of the drag, on the stage
+    engine::Modifiers modifiers_{}; // held in this frame
+    GizmoMode gizmo_ = GizmoMode::move;
+    std::optional<GizmoDrag> held_; // the handle that is dragged, and what it began with
+    std::vector<uint32_t> held_objects_;
+    std::vector<ObjectPlacement> held_places_;
+    engine::Bounds held_box_;
+    std::string held_text_;
+    std::optional<GizmoHandle> over_; // the handle under the cursor
+    glm::dvec3 dragged_{0.0};         // last position of the drag, on the stage
     std::optional<uint32_t> hovered_;
     std::optional<glm::vec3> aimed_; // point that the hammer or the brush would hit
     glm::vec3 target_{0.0f};

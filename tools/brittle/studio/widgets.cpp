@@ -56,7 +56,7 @@ void control(const char* name, const char* tip_text) {
 }
 
 void tip(const char* text) {
-    if (!ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) return;
+    if (*text == 0 || !ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) return;
     ImGui::BeginTooltip();
     ImGui::PushTextWrapPos(tip_width * ImGui::GetFontSize());
     ImGui::TextUnformatted(text);
@@ -100,6 +100,40 @@ bool key_button(const std::string& name, const std::string& key, float width, Im
     constexpr ImU32 faint = 0x8cffffffu; // alpha, in Dear ImGui's order of bytes
     if (!key.empty())
         list.AddText({at.x + ImGui::CalcTextSize(name.c_str()).x + key_gap, at.y}, text_colour & faint, key.c_str());
+    return pressed;
+}
+
+float icon_width() {
+    return 1.3f * ImGui::GetTextLineHeight();
+}
+
+bool icon_button(const char* id, Icon icon, bool strong, const char* tip_text) {
+    const float line = ImGui::GetTextLineHeight();
+    const ImVec2 corner = ImGui::GetCursorScreenPos();
+    const bool pressed = ImGui::InvisibleButton(id, {icon_width(), line});
+    const ImU32 colour = ImGui::GetColorU32(ImGuiCol_Text, ImGui::IsItemHovered() ? 1.0f : strong ? 0.85f : 0.3f);
+    tip(tip_text);
+    ImDrawList& list = *ImGui::GetWindowDrawList();
+    const ImVec2 middle{corner.x + 0.5f * icon_width(), corner.y + 0.55f * line};
+    const float unit = line / 14.0f, thick = 1.3f * unit;
+    if (icon == Icon::eye || icon == Icon::closed_eye) {
+        const float wide = 5.5f * unit, high = 4.5f * unit;
+        const ImVec2 left{middle.x - wide, middle.y}, right{middle.x + wide, middle.y};
+        if (icon == Icon::eye) {
+            list.AddBezierQuadratic(left, {middle.x, middle.y - 2.0f * high}, right, colour, thick);
+            list.AddCircleFilled({middle.x, middle.y - 0.2f * unit}, 1.9f * unit, colour);
+        }
+        list.AddBezierQuadratic(left, {middle.x, middle.y + 2.0f * high}, right, colour, thick);
+        return pressed;
+    }
+    const float half = 3.6f * unit;
+    list.AddRectFilled({middle.x - half, middle.y - 0.5f * unit}, {middle.x + half, middle.y + 5.0f * unit}, colour,
+                       1.0f * unit);
+    const float shift = icon == Icon::padlock ? 0.0f : 3.6f * unit; // the bow of an open one is turned aside
+    const ImVec2 bow{middle.x + shift, middle.y - 1.5f * unit};
+    list.PathArcTo(bow, 2.3f * unit, 3.14159265f, 2.0f * 3.14159265f, 10);
+    list.PathLineTo({bow.x + 2.3f * unit, middle.y + (icon == Icon::padlock ? 0.0f : -1.0f) * unit});
+    list.PathStroke(colour, ImDrawFlags_None, thick);
     return pressed;
 }
 

@@ -35,6 +35,12 @@ void tip(const char* text); // tip for the item before
 // Width of the text on the button.
 [[nodiscard]] float key_button_width(const std::string& name, const std::string& key);
 
+// Draws a small button with a picture: an eye, or a padlock. It is faint while it is not `strong`, so that a column of
+// them stays calm.
+enum class Icon { eye, closed_eye, padlock, open_padlock };
+[[nodiscard]] bool icon_button(const char* id, Icon icon, bool strong, const char* tip_text);
+[[nodiscard]] float icon_width();
+
 // Draws greyed text over as many lines as it needs.
 void explain(const char* text);
 // Draws a line of a table: a name and a value.
