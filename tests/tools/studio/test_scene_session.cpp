@@ -182,6 +182,27 @@ TEST_CASE("studio scene: the pieces of all objects are exported as one file, and
     CHECK_FALSE(std::filesystem::exists(folder.path / "rubble.obj"));
 }
 
+TEST_CASE("studio scene: it has the name of its file, and reset ends the exploded view") {
+    const Folder folder;
+    Room room(table_top(folder));
+    if (!room.device) return;
+    Session& session = *room.session;
+    CHECK(session.name() == "scene"); // no file is known
+    session.files().save_recipe(folder.path / "table top.json");
+    CHECK(session.name() == "table top");
+    session.picture().explode = 0.5f;
+    session.reset();
+    CHECK(session.picture().explode == 0.0f);
+    session.files().open("shape:cube");
+    REQUIRE(room.soon([&] { return !session.object().is_scene(); }));
+    CHECK(session.name() == "cube");
+    CHECK(session.recipe_file.empty()); // saving must not replace the scene
+    session.files().open((folder.path / "scene.json").string());
+    REQUIRE(room.soon([&] { return session.object().is_scene(); }));
+    CHECK(session.name() == "scene");
+    CHECK(session.recipe_file == folder / "scene.json");
+}
+
 TEST_CASE("studio scene: a mesh replaces a scene, and undo brings the scene back") {
     const Folder folder;
     Room room(table_top(folder));

@@ -51,6 +51,7 @@ struct ReplayCommand {
 
 struct DemoCommand {
     FractureOptions fracture;
+    std::string recipe; // file that `fracture` was read from; or empty
     ViewOptions view;
     std::string record;            // file of the replay log of the last break; empty: none
     double ui_scale = 0.0;         // scale of text and panels; 0: as the display reports it

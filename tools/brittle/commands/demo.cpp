@@ -32,6 +32,7 @@ int run_demo(const DemoCommand& command) {
         must(renderer->attach(*window, [scale] { apply_style(scale); }));
         Session session(options, object, *renderer, choice.classifier.get());
         if (!command.record.empty()) session.files().record(command.record);
+        session.recipe_file = command.recipe;
         Studio(*window, *device, *renderer, session, scale).run();
         session.files().finish_recording();
     }

@@ -1,4 +1,5 @@
 #include <memory>
+#include <string>
 
 #include "tools/brittle/commands/command_line.h"
 #include "tools/brittle/commands/option_groups.h"
@@ -20,7 +21,12 @@ void add_demo(CLI::App& app, Run& run) {
     add_classify_option(demo, command->classify);
     add_record_option(demo, command->record);
     add_view_options(demo, command->view);
-    demo.callback([&run, command] { run = [command] { return run_demo(*command); }; });
+    demo.callback([&run, &demo, command] {
+        for (const char* option : {"--recipe", "mesh"})
+            for (const std::string& file : demo.get_option(option)->results())
+                if (std::string(option) == "--recipe" || file.ends_with(".json")) command->recipe = file;
+        run = [command] { return run_demo(*command); };
+    });
 }
 
 } // namespace brittle::tools

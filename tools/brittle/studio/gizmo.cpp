@@ -21,6 +21,7 @@ constexpr float ring_radius = 70.0f; // pixels
 constexpr float axis_reach = 7.0f;   // pixels beside a handle
 constexpr float middle_reach = 11.0f;
 constexpr int ring_points = 64;
+constexpr double facing = 0.85;     // cosine of the angle between axis and eye below which half of a ring is drawn
 constexpr float min_way = 0.3f;     // share of a ring's radius: least motion of its point on the screen for a radian
 constexpr double min_factor = 0.01; // of one drag
 constexpr double place_steps = 1e9; // per metre: places are rounded, so that recipes stay legible
@@ -40,14 +41,16 @@ float distance_to_segment(glm::vec2 p, glm::vec2 a, glm::vec2 b) {
     return glm::distance(p, a + t * along);
 }
 
-// The half of a ring that faces the eye.
-std::vector<glm::vec2> near_half(const GizmoFrame& frame, int axis, double radius, const Viewport& view) {
+// The half of a ring that is near the eye; all of a ring that faces the eye.
+std::vector<glm::vec2> ring_of(const GizmoFrame& frame, int axis, double radius, const Viewport& view) {
     const glm::dvec3 &u = frame.axes[(axis + 1) % 3], &v = frame.axes[(axis + 2) % 3];
     const glm::dvec3 to_eye = glm::dvec3(view.camera().eye) - frame.centre;
     const double towards = std::atan2(glm::dot(to_eye, v), glm::dot(to_eye, u));
+    const bool faces = std::abs(glm::dot(to_eye, frame.axes[axis])) > facing * glm::length(to_eye);
+    const int count = faces ? ring_points : ring_points / 2;
     std::vector<glm::vec2> points;
-    for (int k = 0; k <= ring_points / 2; ++k) {
-        const double angle = towards + std::numbers::pi * (2.0 * k / ring_points - 0.5);
+    for (int k = 0; k <= count; ++k) {
+        const double angle = towards + 2.0 * std::numbers::pi * (k - count / 2) / ring_points;
         const glm::dvec3 at = frame.centre + radius * (std::cos(angle) * u + std::sin(angle) * v);
         if (const auto pixel = view.pixel(glm::vec3(at))) points.push_back(*pixel);
     }
@@ -83,7 +86,7 @@ std::vector<GizmoLine> gizmo_shape(GizmoMode mode, const GizmoFrame& frame, cons
     const double metres = 1.0 / static_cast<double>(view.pixels_a_metre(centre));
     for (int axis = 0; axis < 3; ++axis) {
         if (mode == GizmoMode::turn) {
-            shape.push_back({{mode, axis}, near_half(frame, axis, double{ring_radius} * metres, view)});
+            shape.push_back({{mode, axis}, ring_of(frame, axis, double{ring_radius} * metres, view)});
         } else if (const auto to =
                        view.pixel(glm::vec3(frame.centre + double{axis_length} * metres * frame.axes[axis]))) {
             shape.push_back({{mode, axis}, {*from, *to}});

@@ -39,7 +39,7 @@ struct GizmoFrame {
 // Steps while Ctrl is held.
 inline constexpr double move_step = 0.1, turn_step = 15.0, scale_step = 0.1; // m, degrees, factor
 
-// A handle as drawn: a line of two points for an axis, of one for the middle, or the near half of a ring.
+// A handle as drawn: a line of two points for an axis, of one for the middle, or a ring, of which half is behind.
 struct GizmoLine {
     GizmoHandle handle;
     std::vector<glm::vec2> points;

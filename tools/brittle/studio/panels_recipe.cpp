@@ -116,10 +116,10 @@ void Panels::object_panel(const PanelState& state) {
     ImGui::TextUnformatted("Brittle");
     ImGui::PopStyleColor();
     ImGui::SameLine();
-    explain((object.name() + (session.document().saved() ? "" : " (changed)")).c_str());
+    explain((session.name() + (session.document().saved() ? "" : " (changed)")).c_str());
     if (!begin_panel(object.is_scene() ? "Scene" : "Object")) return;
     control(object.is_scene() ? "File" : "Mesh", "Mesh or scene to break; drop a file on the window, or open one");
-    if (ImGui::BeginCombo("##Mesh", object.name().c_str())) {
+    if (ImGui::BeginCombo("##Mesh", session.name().c_str())) {
         if (ImGui::Selectable("open a file ...")) actions_.push_back(Command::open);
         if (!state.recent.files().empty()) ImGui::TextDisabled("recent files");
         for (const std::string& file : state.recent.files()) {

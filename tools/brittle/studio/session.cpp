@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <utility>
 
 #include <glm/geometric.hpp>
@@ -92,6 +93,11 @@ void Session::make_stage(std::vector<PreparedObject> parts) {
     leave_piece();
     if (!object_->is_scene()) return;
     stand_scene(parts.empty() ? parts_of(*object_, renderer_, recipe().threads) : std::move(parts));
+}
+
+std::string Session::name() const {
+    return object_->is_scene() && !recipe_file.empty() ? std::filesystem::path(recipe_file).stem().string()
+                                                       : object_->name();
 }
 
 uint32_t Session::blow_pieces(uint32_t of) const {
@@ -297,6 +303,7 @@ void Session::let_go() {
 
 void Session::reset() {
     play_due_ = false;
+    picture().explode = 0.0f;
     if (!object_->is_scene()) activity_.cancel(); // a scene that is being read is awaited
     if (!recipe().strikes.empty()) edit(ClearStrikes{});
     counts_.reset();

@@ -122,13 +122,18 @@ class Session {
     void grab(const PieceHit& hit);
     void drag(const glm::vec3& to); // target of the grabbed point
     void let_go();
-    // Makes the mesh whole again and removes strikes. Puts the objects of a scene back to their places.
+    // Makes the mesh whole again and removes strikes. Puts the objects of a scene back to their places. Pieces are no
+    // longer drawn apart.
     void reset();
     // Pauses, and runs one step of physics in the next update().
     void step_once();
     // The most pieces that a blow of the hammer makes of a piece on the stage.
     [[nodiscard]] uint32_t blow_pieces(uint32_t of) const;
 
+    // For people: of the mesh, or of the file of a scene.
+    [[nodiscard]] std::string name() const;
+
+    std::string recipe_file; // the recipe's file; empty without one
     ToolSettings tools;
     Playback playback;
     bool bonds = false;             // show bonds and their loads

@@ -47,6 +47,7 @@ void SessionFiles::open(const std::string& path, bool repair) {
                                         : session_.document_.apply(SetMesh{path, repair});
                 session_.selected.clear();
                 session_.forget_marks();
+                if (is_recipe || from_scene) session_.recipe_file = is_recipe ? path : std::string();
                 session_.adopt(object, std::move(*parts));
                 if (!notes.empty()) session_.tell_notes(notes);
                 if (is_recipe) {
@@ -66,6 +67,7 @@ void SessionFiles::save_recipe(const std::filesystem::path& file) {
     try {
         write_recipe(file, session_.recipe());
         session_.document_.mark_saved();
+        session_.recipe_file = file.string();
         session_.activity_.say({"saved " + file.string()});
         if (opened) opened(file.string());
     } catch (const Failure& failure) {

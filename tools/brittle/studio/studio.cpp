@@ -44,12 +44,10 @@ bool toggle(bool& on) {
 Studio::Studio(engine::Window& window, engine::Device& device, engine::Renderer& renderer, Session& session,
                float scale)
     : window_(window), device_(device), renderer_(renderer), session_(session), scale_(scale),
-      recent_(RecentFiles::usual_place()), recipe_file_(session.recipe().save_recipe) {
-    session_.files().opened = [this](const std::string& file) {
-        recent_.add(file);
-        if (file.ends_with(".json")) recipe_file_ = file;
-    };
-    if (!is_scene(session_.recipe())) recent_.add(session_.recipe().mesh);
+      recent_(RecentFiles::usual_place()) {
+    session_.files().opened = [this](const std::string& file) { recent_.add(file); };
+    recent_.add(session_.recipe_file.empty() ? session_.recipe().mesh : session_.recipe_file);
+    if (const std::string& save = session_.recipe().save_recipe; !save.empty()) session_.recipe_file = save;
     show_title();
 }
 
@@ -253,10 +251,10 @@ void Studio::perform(Command action) {
         ask(Asked::open);
         break;
     case Command::save:
-        if (recipe_file_.empty())
+        if (session_.recipe_file.empty())
             ask(Asked::recipe);
         else
-            answer_recipe(recipe_file_);
+            answer_recipe(session_.recipe_file);
         break;
     case Command::export_dialog:
         panels_.export_open = !panels_.export_open;
@@ -317,8 +315,9 @@ void Studio::take_panels() {
 
 void Studio::ask(Asked what) {
     asked_ = what;
-    const std::string& name = session_.object().name();
-    const std::filesystem::path folder = recipe_file_.empty() ? "." : std::filesystem::path(recipe_file_).parent_path();
+    const std::string name = session_.name();
+    const std::filesystem::path beside = std::filesystem::path(session_.recipe_file).parent_path();
+    const std::filesystem::path folder = beside.empty() ? "." : beside;
     std::vector<std::string> meshes = fracture::importable_extensions();
     meshes.emplace_back(".json");
     switch (what) {
@@ -343,7 +342,6 @@ void Studio::ask(Asked what) {
 
 void Studio::answer_recipe(const std::string& file) {
     navigation_.tell(session_.picture(), session_.stage().home_bounds(), aspect());
-    recipe_file_ = file;
     session_.files().save_recipe(file);
 }
 
@@ -370,7 +368,7 @@ void Studio::answer(const std::filesystem::path& file) {
 void Studio::screenshot(const engine::Scene& scene) {
     const glm::uvec2 size = window_.framebuffer_size();
     if (size.x == 0 || size.y == 0) return;
-    const std::string file = unused_name(session_.object().name() + "_%03d.png");
+    const std::string file = unused_name(session_.name() + "_%03d.png");
     const auto image = renderer_.render(unshifted(scene), size);
     const auto written = image ? engine::write_png(*image, file) : engine::Result<void>(image.error());
     if (written)
@@ -421,7 +419,7 @@ void Studio::end_recording() {
 }
 
 void Studio::show_title() {
-    std::string title = "Brittle: " + session_.object().name() + ", ";
+    std::string title = "Brittle: " + session_.name() + ", ";
     if (session_.object().is_scene())
         title += session_.playing() ? "playing" : "editing";
     else if (session_.broken() && session_.counts())

@@ -68,7 +68,6 @@ class Studio {
     Idleness idleness_;
     FileDialog dialog_;
     Asked asked_ = Asked::open;
-    std::string recipe_file_;      // file that Ctrl+S saves to; empty: opens the dialog
     std::string sequence_;         // name of the video, or pattern for names of pictures
     std::shared_ptr<Video> video_; // video that is being recorded; null for pictures
     glm::uvec2 recorded_size_{0};
