@@ -307,9 +307,11 @@ void Panels::message(const PanelState& state, const Layout& layout) {
     ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 6.0f * state.scale);
     ImGui::Begin("message", nullptr, hints ? sheet | ImGuiWindowFlags_NoInputs : sheet);
     if (hints) {
+        ImGui::PushTextWrapPos(width);
         ImGui::TextUnformatted(state.session.object().is_scene()
                                    ? "Space plays the scene; F3 and a click strike an object with a hammer."
                                    : "Space breaks it all; F3 and a click strike it with a hammer.");
+        ImGui::PopTextWrapPos();
     } else {
         ImGui::PushTextWrapPos(width);
         if (message.fault) ImGui::TextColored({0.98f, 0.52f, 0.42f, 1.0f}, "That did not work");
