@@ -624,3 +624,27 @@ TEST_CASE("the pieces are the same with every --classify, and auto reports the p
     CHECK(hash("gpu") == on_cpu);
     CHECK(hash("auto") == on_cpu);
 }
+
+TEST_CASE("--pieces-from renders, records and repeats the pieces of a file, and takes no mesh beside it") {
+    const Folder folder;
+    const std::string set = folder / "set.glb";
+    REQUIRE(run_brittle(folder, "fracture shape:cube -n 12 -o " + set).exit_code == 0);
+    const std::string plain = "render --pieces-from " + set + " --size 64x48 ";
+    const Outcome both = run_brittle(folder, plain + "shape:cube -o " + folder / "a.png");
+    CHECK(both.exit_code == 2);
+    CHECK(both.has("--pieces-from"));
+    const Outcome repaired = run_brittle(folder, plain + "--repair -o " + folder / "a.png");
+    CHECK(repaired.exit_code == 2);
+    CHECK(repaired.has("--repair"));
+    CHECK(folder.files() == 1);
+    const std::string log = folder / "run.log", recipe = folder / "recipe.json";
+    const Outcome drawn = run_brittle(folder, plain + "--material stone --frames 30 --record " + log + " --save-recipe "
+                                                  + recipe + " -o " + folder / "a.png");
+    if (no_vulkan(drawn)) return;
+    CHECK(drawn.exit_code == 0);
+    CHECK(drawn.has("1 objects"));
+    CHECK_FALSE(drawn.has("stays whole"));
+    CHECK(run_brittle(folder, "replay " + log).exit_code == 0);
+    CHECK(read_text(recipe).find("\"in_pieces\": true") != std::string::npos);
+    CHECK(run_brittle(folder, "render " + recipe + " --size 64x48 --frames 1 -o " + folder / "b.png").exit_code == 0);
+}

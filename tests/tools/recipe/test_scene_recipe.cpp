@@ -63,6 +63,13 @@ TEST_CASE("scene recipe: bad values are named by object and path") {
     check_says(R"({"mesh": "shape:cube", "fixed": true, "bonded": true})", "/objects/0/fixed: a fixed object");
     check_says(R"({"mesh": "shape:cube", "fixed": true, "breakable": true})", "/objects/0/fixed: a fixed object");
     check_says(R"({"mesh": "shape:cube", "shattered": true, "anchored": true})", "/objects/0/shattered");
+    check_says(R"({"mesh": "shape:cube", "in_pieces": true})", "/objects/0/in_pieces: the pieces are the nodes");
+    check_says(R"({"mesh": "a.glb", "in_pieces": 1})", "/objects/0/in_pieces");
+    check_says(R"({"mesh": "a.glb", "in_pieces": true, "node": "b"})",
+               "/objects/0/in_pieces: the pieces are all nodes");
+    check_says(R"({"mesh": "a.glb", "in_pieces": true, "unite": true})", "leave repair, unite and strikes out");
+    check_says(R"({"mesh": "a.glb", "in_pieces": true, "contact_tolerance": -1})", "/objects/0/contact_tolerance");
+    check_says(R"({"mesh": "a.glb", "contact_tolerance": 0.001})", "/objects/0/contact_tolerance: only pieces");
     check_says(R"({"name": "a", "mesh": "shape:cube"}, {"name": "a", "mesh": "shape:cube"})",
                "there is another object \"a\"");
 }
@@ -95,7 +102,7 @@ TEST_CASE("scene recipe: writing and reading preserve every value") {
          "node": "Vase.001", "shear": [0.5, 0, -0.25],
          "bonded": true, "anchored": true, "strength": 0.5, "min_size": 0.125, "blow_pieces": 30,
          "brick": {"size": [0.3, 0.05, 0.1], "along": "z"}, "anchors": [{"at": [0, 1, 0], "radius": 0.2}]},
-        {"name": "floor", "mesh": "shape:cube", "fixed": true},
+        {"name": "floor", "mesh": "/meshes/set.glb", "in_pieces": true, "contact_tolerance": 0.002, "bonded": true},
         {"name": "heap", "mesh": "shape:cube", "shattered": true, "breakable": false}],
         "world": {"physics": "bullet", "air_density": 0.5, "max_colliding": 70, "piece_limit": 900,
                   "shots": [{"time": 1, "from": [0, 1, 4], "velocity": [0, 0, -12], "radius": 0.1, "density": 7800}]},
@@ -126,10 +133,16 @@ TEST_CASE("scene recipe: the schema lists exactly the keys of objects") {
         CHECK(message.find("unknown") == std::string::npos); // a bad value, but a known key
         CHECK(message.find(key) != std::string::npos);
     }
-    for (const char* key : {"name",      "mesh",       "node",      "shear",      "translation", "rotation", "scale",
-                            "fixed",     "shattered",  "material",  "repair",     "unite",       "pattern",  "strikes",
-                            "algorithm", "min_volume", "roughness", "rough_size", "grain",       "detail",   "bonded",
-                            "anchored",  "strength",   "breakable", "min_size",   "blow_pieces", "brick",    "anchors"})
+    for (const char* key : {"name",        "mesh",        "node",
+                            "shear",       "translation", "rotation",
+                            "scale",       "in_pieces",   "contact_tolerance",
+                            "fixed",       "shattered",   "material",
+                            "repair",      "unite",       "pattern",
+                            "strikes",     "algorithm",   "min_volume",
+                            "roughness",   "rough_size",  "grain",
+                            "detail",      "bonded",      "anchored",
+                            "strength",    "breakable",   "min_size",
+                            "blow_pieces", "brick",       "anchors"})
         CHECK(keys.contains(key));
 }
 
@@ -157,7 +170,9 @@ TEST_CASE("scene recipe: the schema lists exactly the keys of a level, of its ru
     std::set<std::string> missing; // what an object has, and a rule cannot say
     for (const auto& entry : schema["objects"]["items"]["properties"].items())
         if (!then.contains(entry.key())) missing.insert(entry.key());
-    CHECK(missing == std::set<std::string>{"name", "mesh", "node", "translation", "rotation", "shear", "scale"});
+    CHECK(missing
+          == std::set<std::string>{"name", "mesh", "node", "in_pieces", "contact_tolerance", "translation", "rotation",
+                                   "shear", "scale"});
     CHECK(message_of(R"({"brittle": 2, "level": {"mesh": "a.glb", "size": 1}})")
               .find("keys are: mesh, translation, "
                     "rotation, shear, scale, rules")

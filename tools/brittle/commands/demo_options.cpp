@@ -1,5 +1,6 @@
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "tools/brittle/commands/command_line.h"
 #include "tools/brittle/commands/option_groups.h"
@@ -13,6 +14,7 @@ void add_demo(CLI::App& app, Run& run) {
     CLI::App& demo = *app.add_subcommand(
         "demo", "Break meshes in a window with tools, panels and a preview. Space breaks, H lists all keys.");
     add_fracture_options(demo, command->fracture);
+    add_pieces_option(demo, command->fracture);
     demo.get_option("mesh")->capture_default_str();
     add_world_options(demo, command->fracture.world);
     demo.add_option("--ui-scale", command->ui_scale,
@@ -25,7 +27,10 @@ void add_demo(CLI::App& app, Run& run) {
         for (const char* option : {"--recipe", "mesh"})
             for (const std::string& file : demo.get_option(option)->results())
                 if (std::string(option) == "--recipe" || file.ends_with(".json")) command->recipe = file;
-        run = [command] { return run_demo(*command); };
+        run = [command] {
+            command->fracture = scene_of_pieces(std::move(command->fracture));
+            return run_demo(*command);
+        };
     });
 }
 

@@ -18,6 +18,8 @@ namespace brittle::tools {
 
 // Mesh, recipe, pattern, sites and algorithm.
 void add_fracture_options(CLI::App& command, FractureOptions& options);
+// --pieces-from, for commands that play scenes. After add_fracture_options().
+void add_pieces_option(CLI::App& command, FractureOptions& options);
 // The physics of the pieces after the fracture.
 void add_world_options(CLI::App& command, WorldOptions& world);
 // Size, device, quality and validation of pictures or a window.

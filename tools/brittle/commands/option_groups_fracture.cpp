@@ -264,6 +264,16 @@ std::string mesh_help() {
     return "Triangle mesh: a file (" + endings + ") or a shape that is built in (" + shapes + ")";
 }
 
+void add_pieces_option(CLI::App& command, FractureOptions& options) {
+    command
+        .add_option(
+            "--pieces-from", options.pieces_from,
+            "Instead of a mesh: a .glb or .gltf file whose nodes are pieces already. They are bonded where they "
+            "touch, and blows break them. The file is in metres unless --units says otherwise.")
+        ->type_name("SET.glb")
+        ->excludes(command.get_option("mesh"));
+}
+
 void add_fracture_options(CLI::App& command, FractureOptions& options) {
     add_mesh_options(command, options);
     add_pattern_options(command, options);

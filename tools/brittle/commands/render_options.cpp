@@ -1,4 +1,5 @@
 #include <memory>
+#include <utility>
 
 #include "tools/brittle/commands/command_line.h"
 #include "tools/brittle/commands/option_groups.h"
@@ -77,6 +78,7 @@ void add_render(CLI::App& app, Run& run) {
     CLI::App& render =
         *app.add_subcommand("render", "Break a mesh, simulate the pieces and write pictures. Needs no display.");
     add_fracture_options(render, command->fracture);
+    add_pieces_option(render, command->fracture);
     add_frame_options(render, *command);
     add_picture_options(render, command->fracture.picture);
     add_other_outputs(render, *command);
@@ -86,7 +88,10 @@ void add_render(CLI::App& app, Run& run) {
     render.callback([&run, &render, command] {
         const bool has_other_output = !command->video.empty() || !command->pieces.files.output.empty();
         if (has_other_output && render.count("--output") == 0) command->output.clear();
-        run = [command] { return run_render(*command); };
+        run = [command] {
+            command->fracture = scene_of_pieces(std::move(command->fracture));
+            return run_render(*command);
+        };
     });
 }
 

@@ -99,6 +99,39 @@ Input load_mesh_only(const std::string& mesh, bool with_looks) {
     return input;
 }
 
+FractureOptions scene_of_pieces(FractureOptions options) {
+    if (options.pieces_from.empty()) return options;
+    if (is_scene(options))
+        throw Failure(exit_usage, "--pieces-from takes no scene beside it; add an object with "
+                                  "\"in_pieces\": true to the scene instead");
+    if (options.repair || options.unite || !options.strikes.empty() || !options.points.empty()
+        || !options.sites_file.empty())
+        throw Failure(exit_usage,
+                      "--pieces-from takes pieces as they are; leave --repair, --unite, --strike and --sites "
+                      "out");
+    FractureOptions scene;
+    SceneObject& object = scene.objects.emplace_back();
+    object.recipe = options;
+    object.recipe.mesh = options.pieces_from;
+    object.recipe.pieces_from.clear();
+    object.recipe.save_recipe.clear();
+    object.name = mesh_name(options.pieces_from);
+    object.in_pieces = true;
+    WorldOptions& own = object.recipe.world;
+    own.bonded = own.breakable = true;
+    own.height = 0.0;
+    own.shots.clear();
+    own.joints.clear();
+    scene.world = options.world;
+    scene.world.anchored = scene.world.bonded = scene.world.breakable = false;
+    scene.world.anchors.clear();
+    scene.units = options.units == LengthUnit::fit ? LengthUnit::metre : options.units;
+    scene.picture = options.picture;
+    scene.threads = options.threads;
+    scene.save_recipe = options.save_recipe;
+    return scene;
+}
+
 namespace {
 
 // Moves sites; weights, which are squared radii, scale with the square of distances.

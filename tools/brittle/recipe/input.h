@@ -11,6 +11,7 @@
 
 #include "fracture/fracture.h"
 #include "fracture/io/model.h"
+#include "fracture/pieces/contacts.h"
 #include "fracture/sites/pattern.h"
 #include "fracture/unite/unite.h"
 #include "tools/brittle/recipe/automatic_pattern.h"
@@ -58,9 +59,11 @@ struct FractureOptions {
     std::vector<Strike> strikes; // --strike: only the balls that they hit break, by the pattern; override all sites
     bool fit_sites = false;      // --fit-sites: moves and scales the sites onto the mesh's box, before the placement
     fracture::Placement sites_placement; // --turn-sites, --scale-sites, --move-sites
-    std::string save_recipe;             // --save-recipe: file to which load_input() writes these options; or empty
-    bool repair = false;                 // --repair: fracture::repair() before the fracture, with a report
-    bool unite = false;                  // --unite: fracture::unite() after that, with a report
+    // --pieces-from: a glTF file in pieces; scene_of_pieces() makes a scene of it and the other options.
+    std::string pieces_from;
+    std::string save_recipe; // --save-recipe: file to which load_input() writes these options; or empty
+    bool repair = false;     // --repair: fracture::repair() before the fracture, with a report
+    bool unite = false;      // --unite: fracture::unite() after that, with a report
     fracture::Algorithm algorithm = fracture::Algorithm::exact;
     double min_volume = 0.0; // --min-volume, m^3: a smaller piece is merged with a neighbour
     // --roughness, --rough-size, --grain, --detail; in metres of the file. roughness_of() sets its seed.
@@ -85,6 +88,9 @@ struct SceneObject {
     ObjectPlacement placement;
     bool fixed = false;     // never moves or breaks, and collides with its surface; the mesh may be open
     bool shattered = false; // cut by its pattern at the start, into loose pieces
+    // The nodes of its glTF file are its pieces, as they are; they touch each other within contact_tolerance.
+    bool in_pieces = false;
+    double contact_tolerance = fracture::ContactSettings{}.tolerance; // m
     // Without objects. Of its world, the members that concern one object count; where it is neither breakable nor
     // bonded nor shattered, the object is rigid.
     FractureOptions recipe;
@@ -109,6 +115,13 @@ inline SceneObject::SceneObject() {
 [[nodiscard]] inline bool is_scene(const FractureOptions& options) {
     return !options.objects.empty() || !options.level.mesh.empty();
 }
+
+// The largest contact_tolerance, m.
+inline constexpr double max_contact_tolerance = 1.0;
+
+// Returns the options, or where they have pieces_from the scene of that one object, bonded and breakable: its material,
+// physics and place of anchors are those of the options. Units of fit count as metres.
+[[nodiscard]] FractureOptions scene_of_pieces(FractureOptions options);
 
 // Returns the name of a mesh for people: the name of a shape, or the stem of a file.
 [[nodiscard]] std::string mesh_name(const std::string& mesh);

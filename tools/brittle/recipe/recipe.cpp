@@ -142,6 +142,9 @@ void add_kind(const SceneObject& object, Json& json) {
 Json object_json(const SceneObject& object) {
     Json json{{"name", object.name}, {"mesh", object.recipe.mesh}};
     if (!object.node.empty()) json["node"] = object.node;
+    if (object.in_pieces) json["in_pieces"] = true;
+    if (object.contact_tolerance != SceneObject{}.contact_tolerance)
+        json["contact_tolerance"] = object.contact_tolerance;
     add_placement(object.placement, json);
     add_kind(object, json);
     return json;
@@ -407,14 +410,34 @@ void read_kind(const std::filesystem::path& file, const std::string& path, JsonR
     reader.refuse_unknown_keys();
 }
 
+void check_pieces(JsonReader& reader, const SceneObject& object) {
+    if (!object.in_pieces) {
+        if (reader.find("contact_tolerance"))
+            throw reader.failure("contact_tolerance",
+                                 "only pieces of a file touch within a tolerance; leave it out, or "
+                                 "add \"in_pieces\": true");
+        return;
+    }
+    const std::string& mesh = object.recipe.mesh;
+    if (!mesh.ends_with(".glb") && !mesh.ends_with(".gltf"))
+        throw reader.failure("in_pieces",
+                             "the pieces are the nodes of a .glb or .gltf file, and the mesh is " + shown(mesh));
+    if (!object.node.empty()) throw reader.failure("in_pieces", "the pieces are all nodes of the file; leave node out");
+    if (object.recipe.repair || object.recipe.unite || !object.recipe.strikes.empty())
+        throw reader.failure("in_pieces", "pieces are taken as they are; leave repair, unite and strikes out");
+}
+
 void read_object(const std::filesystem::path& file, const std::string& path, JsonReader& reader, SceneObject& object) {
     read_mesh(file, reader, object.recipe.mesh);
     if (object.recipe.mesh.empty()) throw reader.failure("mesh", "expected a mesh file or shape:NAME");
     reader.text("node", object.node);
     if (!object.node.empty() && object.recipe.mesh.starts_with(shape_prefix))
         throw reader.failure("node", "a shape has no nodes; leave it out, or name a .glb or .gltf file as the mesh");
+    reader.flag("in_pieces", object.in_pieces);
+    reader.number("contact_tolerance", object.contact_tolerance, 0.0, max_contact_tolerance);
     read_placement(reader, object.placement);
     read_kind(file, path, reader, object);
+    check_pieces(reader, object);
 }
 
 void read_rule(const std::filesystem::path& file, const Json& json, const std::string& path, LevelRule& rule) {

@@ -5,14 +5,30 @@
 #include <system_error>
 #include <utility>
 
+#include <glm/matrix.hpp>
+
 #include "fracture/io/text_cursor.h"
+#include "fracture/mesh/mass_properties.h"
+#include "fracture/mesh/topology.h"
 #include "tools/brittle/base/failure.h"
 #include "tools/brittle/recipe/json_reader.h"
 
 namespace brittle::tools {
+namespace {
+
+// A node's mesh in the coordinates of its file. A mirrored mesh is turned, so that it stays outside out.
+fracture::TriangleMesh placed(fracture::TriangleMesh mesh, const glm::dmat4& world) {
+    for (glm::dvec3& p : mesh.positions) p = glm::dvec3(world * glm::dvec4(p, 1.0));
+    if (glm::determinant(glm::dmat3(world)) < 0.0)
+        for (fracture::Triangle& t : mesh.triangles) std::swap(t.y, t.z);
+    return mesh;
+}
+
+} // namespace
 
 const fracture::TriangleMesh& MeshFiles::mesh_of(const SceneObject& object) {
     const std::string& file = object.recipe.mesh;
+    if (object.in_pieces) return pieces_of(file);
     if (!object.node.empty()) {
         const Content& content = content_of(file);
         return content.scene.meshes[mesh_in(content, object)].mesh;
@@ -50,10 +66,38 @@ const MeshFiles::Content& MeshFiles::content_of(const std::string& file) {
     return nodes_.insert_or_assign(file, std::move(content)).first->second;
 }
 
+// The meshes of all nodes side by side: points at which pieces touch stay apart. Throws a Failure with exit_mesh that
+// names the first node that is no piece.
+const fracture::TriangleMesh& MeshFiles::pieces_of(const std::string& file) {
+    std::string stamp = stamp_of(file);
+    if (const auto known = pieces_.find(file); known != pieces_.end() && known->second.stamp == stamp)
+        return known->second.mesh;
+    const fracture::MeshScene& scene = scene_of(file);
+    fracture::TriangleMesh joined;
+    for (const fracture::SceneNode& node : scene.nodes) {
+        const fracture::TriangleMesh piece = placed(scene.meshes[node.mesh].mesh, node.world);
+        if (const std::string fault = fault_of(piece); !fault.empty())
+            throw Failure(exit_mesh, "the piece " + shown(node.name) + ": " + fault);
+        const auto base = static_cast<uint32_t>(joined.positions.size());
+        joined.positions.insert(joined.positions.end(), piece.positions.begin(), piece.positions.end());
+        for (const fracture::Triangle& t : piece.triangles) joined.triangles.push_back(t + base);
+    }
+    return pieces_.insert_or_assign(file, Pieces{std::move(stamp), std::move(joined)}).first->second.mesh;
+}
+
 void MeshFiles::keep_only(const std::set<std::string>& files) {
     const auto is_left_out = [&](const auto& file) { return !files.contains(file.first); };
     std::erase_if(nodes_, is_left_out);
     std::erase_if(whole_, is_left_out);
+    std::erase_if(pieces_, is_left_out);
+}
+
+std::string fault_of(const fracture::TriangleMesh& mesh) {
+    const auto report = fracture::check_topology(mesh.positions.size(), mesh.triangles);
+    if (!report.closed()) return fracture::describe(report);
+    if (!(fracture::signed_volume(mesh.positions, mesh.triangles) > 0.0))
+        return "it encloses no volume, or its triangles face inwards";
+    return {};
 }
 
 std::string stamp_of(const std::string& file) {

@@ -26,6 +26,10 @@ class MeshFiles {
     void keep_only(const std::set<std::string>& files); // forgets all others
 
   private:
+    struct Pieces { // a glTF file whose nodes are pieces
+        std::string stamp;
+        fracture::TriangleMesh mesh;
+    };
     struct Whole { // a file without nodes, or a shape
         std::string stamp;
         fracture::TriangleMesh mesh;
@@ -37,11 +41,16 @@ class MeshFiles {
     };
 
     const Content& content_of(const std::string& file);
+    const fracture::TriangleMesh& pieces_of(const std::string& file);
     static uint32_t mesh_in(const Content& content, const SceneObject& object); // throws a Failure
 
     std::map<std::string, Content> nodes_;
     std::map<std::string, Whole> whole_;
+    std::map<std::string, Pieces> pieces_;
 };
+
+// Why a mesh cannot be broken, whatever it looks like; empty where it can.
+[[nodiscard]] std::string fault_of(const fracture::TriangleMesh& mesh);
 
 // Differs between two versions of a file, by its size and the time of its last change; empty for a shape, and where
 // there is no file.

@@ -18,7 +18,7 @@
 #include "fracture/base/threads.h"
 #include "fracture/io/text_cursor.h"
 #include "fracture/mesh/mass_properties.h"
-#include "fracture/mesh/topology.h"
+#include "fracture/pieces/contacts.h"
 #include "tools/brittle/base/failure.h"
 #include "tools/brittle/base/interrupt.h"
 #include "tools/brittle/recipe/json_reader.h"
@@ -34,7 +34,7 @@ namespace {
 using fracture::TriangleMesh;
 
 bool is_cut_at_start(const SceneObject& object) {
-    return !object.fixed && (object.recipe.world.bonded || object.shattered);
+    return !object.fixed && !object.in_pieces && (object.recipe.world.bonded || object.shattered);
 }
 
 // Equal for objects whose meshes, and sites where they are cut at the start, are equal.
@@ -45,9 +45,9 @@ std::string mesh_key(const SceneObject& object, LengthUnit units, MeshFiles& fil
     mesh.repair = object.recipe.repair;
     mesh.unite = object.recipe.unite;
     const std::optional<uint32_t> in_file = files.index_of(object);
-    return recipe_json(mesh) + (in_file ? std::to_string(*in_file) : "") + text_of(vector_json(object.placement.shear))
-           + text_of(vector_json(object.placement.scale)) + (object.fixed ? " fixed" : "") + to_string(units)
-           + stamp_of(mesh.mesh) + " " + stamp_of(mesh.sites_file);
+    return recipe_json(mesh) + (object.in_pieces ? " in pieces" : "") + (in_file ? std::to_string(*in_file) : "")
+           + text_of(vector_json(object.placement.shear)) + text_of(vector_json(object.placement.scale))
+           + (object.fixed ? " fixed" : "") + to_string(units) + stamp_of(mesh.mesh) + " " + stamp_of(mesh.sites_file);
 }
 
 // Equal for objects of one mesh whose solids are equal. The place counts where the lowest part is anchored.
@@ -55,6 +55,7 @@ std::string solid_key(const SceneObject& object) {
     FractureOptions own = object.recipe;
     if (!is_cut_at_start(object)) own.pattern.seed = 0;
     const std::string turn = own.world.anchored ? text_of(vector_json(object.placement.rotation)) : "";
+    if (object.in_pieces) return recipe_json(own) + turn + text_of(object.contact_tolerance) + " in pieces";
     return recipe_json(own) + turn + (object.shattered ? " shattered" : "") + (object.fixed ? " fixed" : "");
 }
 
@@ -71,12 +72,9 @@ Input load_object(const SceneObject& object, LengthUnit units, MeshFiles& files)
     input.name = object.name;
     const double metres = object.recipe.mesh.starts_with("shape:") ? 1.0 : metres_of(units);
     input.scale = metres * std::abs(object.placement.scale.x);
-    if (!object.fixed) {
+    if (!object.fixed && !object.in_pieces) {
         prepare_mesh(object.recipe, input);
-        const auto report = fracture::check_topology(input.model.mesh.positions.size(), input.model.mesh.triangles);
-        if (!report.closed()) throw Failure(exit_mesh, fracture::describe(report));
-        if (!(fracture::signed_volume(input.model.mesh.positions, input.model.mesh.triangles) > 0.0))
-            throw Failure(exit_mesh, "it encloses no volume, or its triangles face inwards");
+        if (const std::string fault = fault_of(input.model.mesh); !fault.empty()) throw Failure(exit_mesh, fault);
     }
     deform(input.model.mesh, metres, object.placement);
     if (is_cut_at_start(object)) {
@@ -92,6 +90,7 @@ Input load_object(const SceneObject& object, LengthUnit units, MeshFiles& files)
 void fix(SceneObject& object) {
     object.fixed = true;
     object.shattered = false;
+    object.in_pieces = false;
     WorldOptions& world = object.recipe.world;
     world.bonded = world.anchored = false;
     world.anchors.clear();
@@ -221,11 +220,21 @@ LoadedScene load_scene(const FractureOptions& scene, SceneCache* cache) {
 
 namespace {
 
+// The pieces of an object; those of a file are bonded where they touch.
+fracture::Fragments fragments_of(const LoadedObject& loaded, FractureOptions options) {
+    if (!loaded.object.in_pieces) return break_input(*loaded.input, options).fragments;
+    options.world.bonded = false;
+    fracture::Fragments fragments = break_input(*loaded.input, options).fragments;
+    fragments.bonds = must(fracture::find_contacts(fragments, {.tolerance = loaded.object.contact_tolerance}));
+    return fragments;
+}
+
 PreparedObject prepare_object(const LoadedObject& loaded, const physics::PayloadMaker& payload, uint32_t threads) {
     const SceneObject& object = loaded.object;
     FractureOptions options = object.recipe;
     options.threads = threads;
-    options.world.breakable = !object.shattered; // whether the fracture leaves an object that is not bonded whole
+    // Whether the fracture leaves the object whole: one that is not bonded, or the parts of one in pieces.
+    options.world.breakable = object.in_pieces || !object.shattered;
     PreparedObject made{.name = object.name,
                         .world = world_of(options, loaded.input->scale),
                         .material = object.recipe.material,
@@ -235,7 +244,7 @@ PreparedObject prepare_object(const LoadedObject& loaded, const physics::Payload
     if (object.fixed)
         made.surface = {loaded.input, &loaded.input->model.mesh};
     else
-        made.fragments = std::make_shared<const fracture::Fragments>(break_input(*loaded.input, options).fragments);
+        made.fragments = std::make_shared<const fracture::Fragments>(fragments_of(loaded, options));
     prepare(made, payload, threads);
     return made;
 }
