@@ -1,6 +1,7 @@
 #include "physics/bonds/bond_graph.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <numbers>
 #include <numeric>
@@ -36,18 +37,24 @@ double distance_to(const BondGraph::Bond& bond, const glm::dvec3& from, const gl
 
 } // namespace
 
-BondGraph::BondGraph(const fracture::Fragments& fragments, const Material& material) : material_(material) {
+BondGraph::BondGraph(const fracture::Fragments& fragments, const Material& material)
+    : BondGraph(fragments, std::vector<Material>{material}) {}
+
+BondGraph::BondGraph(const fracture::Fragments& fragments, std::vector<Material> materials)
+    : materials_(std::move(materials)) {
+    assert(materials_.size() == 1 || materials_.size() == fragments.bonds.size());
     const auto count = static_cast<uint32_t>(fragments.pieces.size());
     first_.assign(count + 1, 0);
     for (const fracture::Bond& from : fragments.bonds) {
         Bond bond{from.a, from.b, from.area, from.centroid, from.normal};
+        if (materials_.size() > 1) bond.material = static_cast<uint32_t>(bonds_.size());
         const bool sound =
             from.a < count && from.b < count && from.a != from.b && from.area > 0.0 && std::isfinite(from.area);
         if (sound) {
             const glm::dvec3 span =
                 fragments.pieces[from.b].mass.centre_of_mass - fragments.pieces[from.a].mass.centre_of_mass;
             bond.lever = std::min(1.0, from.area / std::max(glm::dot(span, span), 1e-300));
-            bond.share = contact_strength_share(material, from.area);
+            bond.share = contact_strength_share(material_of(bond), from.area);
             ++first_[from.a + 1], ++first_[from.b + 1];
         } else {
             bond.health = 0.0;
@@ -91,13 +98,20 @@ void BondGraph::damage_segment(const glm::dvec3& from, const glm::dvec3& to, dou
 }
 
 double BondGraph::impulse_strength(const Bond& bond, uint32_t from, const glm::dvec3& direction) const {
+    const Material& material = material_of(bond);
     const double along = glm::dot(direction, bond.normal) * (from == bond.a ? 1.0 : -1.0);
     const double across = std::sqrt(std::max(1.0 - along * along, 0.0)) * bond.lever;
     const double normal_strength = along > 0.0
-                                       ? along * static_cast<double>(std::min(material_.tensile, material_.compressive))
-                                       : along * bond.lever * static_cast<double>(material_.tensile);
-    return std::hypot(normal_strength, across * static_cast<double>(material_.shear))
+                                       ? along * static_cast<double>(std::min(material.tensile, material.compressive))
+                                       : along * bond.lever * static_cast<double>(material.tensile);
+    return std::hypot(normal_strength, across * static_cast<double>(material.shear))
            * static_cast<double>(impact_seconds) * bond.area * bond.share;
+}
+
+// The energy of a bond's surface as a share of that of the first material.
+double BondGraph::energy_share(const Bond& bond) const {
+    const auto energy = [](const Material& material) { return static_cast<double>(material.fracture_energy); };
+    return bond.material == 0 ? 1.0 : energy(material_of(bond)) / energy(materials_.front());
 }
 
 double BondGraph::bearing(uint32_t piece, const glm::dvec3& direction) const {
@@ -108,9 +122,10 @@ double BondGraph::bearing(uint32_t piece, const glm::dvec3& direction) const {
 }
 
 double BondGraph::breaking_energy(uint32_t piece) const {
-    double area = 0.0;
-    for (const uint32_t bond : bonds_of(piece)) area += bonds_[bond].health * bonds_[bond].area;
-    return area * static_cast<double>(material_.fracture_energy);
+    double area = 0.0; // of the first material
+    for (const uint32_t bond : bonds_of(piece))
+        area += bonds_[bond].health * bonds_[bond].area * energy_share(bonds_[bond]);
+    return area * static_cast<double>(materials_.front().fracture_energy);
 }
 
 double BondGraph::blow(uint32_t piece, const glm::dvec3& impulse, double energy, double max_passed) {
@@ -127,8 +142,9 @@ double BondGraph::blow(uint32_t piece, const glm::dvec3& impulse, double energy,
                 if (bonds_[bond].live()) strength += impulse_strength(bonds_[bond], hit, direction);
             if (!(share > min_blow_ratio * strength) || strength == 0.0) continue;
             const double loss = share / strength; // of health; equal for all bonds of the piece
-            for (const uint32_t bond : bonds_of(hit)) area += std::min(loss, bonds_[bond].health) * bonds_[bond].area;
-            const double cost = area * static_cast<double>(material_.fracture_energy),
+            for (const uint32_t bond : bonds_of(hit))
+                area += std::min(loss, bonds_[bond].health) * bonds_[bond].area * energy_share(bonds_[bond]);
+            const double cost = area * static_cast<double>(materials_.front().fracture_energy),
                          paid = std::min(energy_left / cost, 1.0);
             energy_left = paid < 1.0 ? 0.0 : energy_left - cost;
             for (const uint32_t bond : bonds_of(hit)) {

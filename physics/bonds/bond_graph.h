@@ -12,7 +12,7 @@
 // - All are multiplied by contact_strength_share() of the area: the crack of a hard contact weakens brittle materials.
 // Health is the remaining share of strength: 1 intact, 0 broken. A broken bond never heals.
 //
-// Breaking a bond costs its area times Material::fracture_energy of the blow's energy, and a blow breaks only what its
+// Breaking a bond costs its area times its Material::fracture_energy of the blow's energy, and a blow breaks only what its
 // energy pays for: glass shatters where wood, which is weaker, holds.
 //
 // Coordinates are those of the fragments; SI units. No bodies and no time: structure.h adds them. Deterministic. Not
@@ -46,6 +46,7 @@ class BondGraph {
         double lever = 1.0;     // 0 .. 1, see above
         double share = 1.0;     // contact_strength_share() of the area
         double health = 1.0;    // 1 .. 0
+        uint32_t material = 0;  // index into materials()
 
         [[nodiscard]] bool live() const { return health > 0.0; }
         [[nodiscard]] uint32_t other(uint32_t piece) const { return piece == a ? b : a; }
@@ -54,11 +55,14 @@ class BondGraph {
     BondGraph() = default;
     // A bond without area, or one that names a piece that does not exist, is broken from the start.
     BondGraph(const fracture::Fragments& fragments, const Material& material);
+    // The same with a material for each bond, in the order of Fragments::bonds.
+    BondGraph(const fracture::Fragments& fragments, std::vector<Material> materials);
 
     [[nodiscard]] size_t piece_count() const { return first_.empty() ? 0 : first_.size() - 1; }
     [[nodiscard]] std::span<const Bond> bonds() const { return bonds_; }
     [[nodiscard]] std::span<const uint32_t> bonds_of(uint32_t piece) const;
     [[nodiscard]] size_t live_count() const;
+    [[nodiscard]] std::span<const Material> materials() const { return materials_; } // one of all bonds, or one a bond
 
     // Takes `share` (0 .. 1) of health from a bond. A bond that breaks is listed by take_broken().
     void weaken(uint32_t bond, double share);
@@ -91,7 +95,10 @@ class BondGraph {
     [[nodiscard]] std::vector<std::vector<uint32_t>> islands(std::span<const uint32_t> pieces) const;
 
   private:
-    Material material_;
+    [[nodiscard]] const Material& material_of(const Bond& bond) const { return materials_[bond.material]; }
+    [[nodiscard]] double energy_share(const Bond& bond) const;
+
+    std::vector<Material> materials_;
     std::vector<Bond> bonds_;
     std::vector<uint32_t> first_;    // by piece: begin of its range in of_piece_; piece_count() + 1 entries
     std::vector<uint32_t> of_piece_; // bonds, grouped by piece

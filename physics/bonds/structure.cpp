@@ -1,5 +1,6 @@
 #include "physics/bonds/structure.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -36,30 +37,51 @@ Result<Structure> Structure::create(World& world, const Fragments& fragments, co
     if (!desc.hulls.empty() && desc.hulls.size() != fragments.pieces.size())
         return Error{Status::invalid_setting, std::to_string(desc.hulls.size()) + " hulls were given for "
                                                   + std::to_string(fragments.pieces.size()) + " pieces"};
-    const PieceHulls hulls = desc.hulls.empty() ? collision_hulls(fragments, desc.hull) : desc.hulls;
+    if (const Result<void> checked = check_assembly(fragments, desc); !checked) return checked.error();
+    const PieceHulls hulls = !desc.piece_parts.empty() ? PieceHulls(fragments.pieces.size())
+                             : desc.hulls.empty()      ? collision_hulls(fragments, desc.hull)
+                                                       : desc.hulls;
     Structure structure;
     structure.desc_ = desc;
     structure.desc_.anchored.clear();
     structure.desc_.hulls.clear();
+    structure.desc_.piece_materials.clear();
+    structure.desc_.bond_strength.clear();
+    structure.desc_.piece_parts.clear();
+    structure.desc_.supports.clear();
     structure.steps_seen_ = world.steps_taken();
-    structure.graph_ = BondGraph(fragments, desc.material);
+    structure.graph_ = BondGraph(fragments, bond_materials(fragments, desc));
     std::vector<uint32_t> all;
     for (const Piece& piece : fragments.pieces) {
-        const BodyMass mass = piece_mass(fragments, piece, desc.material.density);
+        const Material& material =
+            desc.piece_materials.empty() ? desc.material : desc.piece_materials[structure.pieces_.size()];
+        const BodyMass mass = piece_mass(fragments, piece, material.density);
         PieceState& state = structure.pieces_.emplace_back();
         state.centre = piece.mass.centre_of_mass;
         state.mass = mass.mass;
         state.inertia = mass.inertia;
-        state.impact_threshold = breaking_force(desc.material, std::pow(mass.mass / desc.material.density, 2.0 / 3.0))
+        state.impact_threshold = breaking_force(material, std::pow(mass.mass / material.density, 2.0 / 3.0))
                                  * static_cast<double>(impact_seconds);
-        state.hull = hulls[all.size()];
+        state.friction = material.friction;
+        state.restitution = material.restitution;
+        if (desc.piece_parts.empty())
+            state.parts = {{hulls[all.size()]}};
+        else
+            state.parts = desc.piece_parts[all.size()];
         all.push_back(static_cast<uint32_t>(all.size()));
     }
-    structure.make_forms(world.settings().threads);
     for (const uint32_t piece : desc.anchored) structure.pieces_[piece].anchored = true;
+    for (const uint32_t piece : desc.supports) {
+        PieceState& state = structure.pieces_[piece];
+        state.anchored = true;
+        state.mass = 0.0;
+        state.inertia = glm::dmat3(0.0);
+        state.parts.clear();
+    }
+    structure.make_forms(world.settings().threads);
     const Motion motion{desc.motion.placement, desc.motion.placement, desc.motion.linear_velocity,
                         desc.motion.angular_velocity, glm::dvec3(0.0)};
-    const std::vector<std::vector<uint32_t>> islands = structure.graph_.islands(all);
+    const std::vector<std::vector<uint32_t>> islands = structure.with_bodies(structure.graph_.islands(all));
     const Result<void> added = structure.add_islands(world, islands, motion, std::vector<uint8_t>(islands.size(), 0));
     if (!added) return added.error();
     structure.changes_ = {};
@@ -69,8 +91,68 @@ Result<Structure> Structure::create(World& world, const Fragments& fragments, co
     std::vector<StressNode> nodes;
     for (const PieceState& piece : structure.pieces_)
         nodes.push_back({piece.centre, piece.mass, piece.inertia, piece.anchored});
-    structure.wear_ = Wear(nodes, structure.graph_, desc.material, desc.wear);
+    structure.wear_ = Wear(nodes, structure.graph_, desc.wear);
     return structure;
+}
+
+Result<void> Structure::check_assembly(const Fragments& fragments, const StructureDesc& desc) {
+    const auto wrong = [](const std::string& message) { return Error{Status::invalid_setting, message}; };
+    const size_t pieces = fragments.pieces.size(), bonds = fragments.bonds.size();
+    const auto counts = [&](const char* what, size_t given, size_t there) {
+        return std::to_string(given) + " " + what + " were given for " + std::to_string(there);
+    };
+    if (!desc.piece_materials.empty() && desc.piece_materials.size() != pieces)
+        return wrong(counts("materials", desc.piece_materials.size(), pieces) + " pieces");
+    if (!desc.bond_strength.empty() && desc.bond_strength.size() != bonds)
+        return wrong(counts("strengths", desc.bond_strength.size(), bonds) + " bonds");
+    if (!desc.piece_parts.empty() && desc.piece_parts.size() != pieces)
+        return wrong(counts("lists of hulls", desc.piece_parts.size(), pieces) + " pieces");
+    if (!desc.piece_parts.empty() && !desc.hulls.empty())
+        return wrong("hulls and lists of hulls were given; leave one of them out");
+    std::vector<uint8_t> supports(pieces, 0);
+    for (const uint32_t piece : desc.supports) {
+        if (piece >= pieces)
+            return wrong("support " + std::to_string(piece) + " does not exist: there are " + std::to_string(pieces)
+                         + " pieces");
+        supports[piece] = 1;
+    }
+    for (size_t k = 0; k < desc.piece_materials.size(); ++k)
+        if (const Result<void> checked = check_pieces({}, desc.piece_materials[k]); !checked)
+            return Error{checked.error().status, "piece " + std::to_string(k) + ": " + checked.error().message};
+    for (size_t k = 0; k < desc.bond_strength.size(); ++k)
+        if (!(desc.bond_strength[k] >= 0.0f) || !std::isfinite(desc.bond_strength[k]))
+            return wrong("the strength of bond " + std::to_string(k) + " must be 0 Pa or more");
+    for (size_t k = 0; k < desc.piece_parts.size(); ++k) {
+        if (desc.piece_parts[k].empty() && !supports[k]) return wrong("piece " + std::to_string(k) + " has no hulls");
+        for (const BodyPart& part : desc.piece_parts[k])
+            if (!part.hull) return wrong("a hull of piece " + std::to_string(k) + " is missing");
+    }
+    return {};
+}
+
+// One for all bonds where they are alike. The weaker material is the one of the lower tensile strength, of equal ones
+// that of the lower piece.
+std::vector<Material> Structure::bond_materials(const Fragments& fragments, const StructureDesc& desc) {
+    if (desc.piece_materials.empty() && desc.bond_strength.empty()) return {desc.material};
+    std::vector<Material> materials;
+    for (const fracture::Bond& bond : fragments.bonds) {
+        Material material = desc.material;
+        if (std::max(bond.a, bond.b) < desc.piece_materials.size()) {
+            const Material &a = desc.piece_materials[bond.a], &b = desc.piece_materials[bond.b];
+            material = b.tensile < a.tensile ? b : a;
+        }
+        const float strength = desc.bond_strength.empty() ? 0.0f : desc.bond_strength[materials.size()];
+        materials.push_back(strength > 0.0f ? scale_strength(material, strength / material.tensile) : material);
+    }
+    if (materials.empty()) materials.push_back(desc.material);
+    return materials;
+}
+
+std::vector<std::vector<uint32_t>> Structure::with_bodies(std::vector<std::vector<uint32_t>> islands) const {
+    std::erase_if(islands, [&](const std::vector<uint32_t>& island) {
+        return std::ranges::all_of(island, [&](uint32_t piece) { return pieces_[piece].parts.empty(); });
+    });
+    return islands;
 }
 
 std::vector<uint8_t> Structure::debris_of_islands(const World& world,
@@ -117,7 +199,8 @@ void Structure::make_forms(uint32_t threads) {
     fracture::Threads(threads).for_chunks(count, min_forms, [&](uint32_t, uint32_t begin, uint32_t end) {
         for (PieceState& piece : std::span(pieces_).subspan(begin, end - begin)) {
             BodyDesc alone;
-            alone.parts = {{piece.hull, glm::vec3(0.0f)}};
+            if (piece.parts.empty()) continue;
+            alone.parts = piece.parts;
             alone.mass = static_cast<float>(piece.mass);
             alone.inertia = glm::mat3(piece.inertia);
             if (const Result<std::shared_ptr<const BodyForm>> form = make_form(alone)) piece.form = *form;
@@ -128,14 +211,25 @@ void Structure::make_forms(uint32_t threads) {
 BodyDesc Structure::describe(const std::vector<uint32_t>& island, const Motion& motion, BodyState& body) const {
     body = {};
     body.pieces = island;
-    double mass = 0.0;
+    double mass = 0.0, heaviest = -1.0;
+    bool one_hull_each = true;
+    BodyDesc desc;
     for (const uint32_t piece : island) {
+        const PieceState& part = pieces_[piece];
+        one_hull_each = one_hull_each && part.parts.size() == 1;
+        if (part.mass > heaviest) {
+            heaviest = part.mass;
+            desc.friction = part.friction;
+            desc.restitution = part.restitution;
+        }
         mass += pieces_[piece].mass;
         body.centre += pieces_[piece].mass * pieces_[piece].centre;
         body.fixed = body.fixed || pieces_[piece].anchored;
     }
     body.centre = island.size() == 1 ? pieces_[island[0]].centre : body.centre / mass;
-    BodyDesc desc;
+    if (!one_hull_each)
+        for (const uint32_t piece : island)
+            body.piece_of_part.insert(body.piece_of_part.end(), pieces_[piece].parts.size(), piece);
     if (island.size() == 1 && !body.fixed) desc.form = pieces_[island[0]].form;
     if (!desc.form) {
         glm::dmat3 inertia(0.0);
@@ -143,7 +237,8 @@ BodyDesc Structure::describe(const std::vector<uint32_t>& island, const Motion& 
             const PieceState& part = pieces_[piece];
             const glm::dvec3 arm = part.centre - body.centre;
             inertia += part.inertia + part.mass * (glm::dmat3(glm::dot(arm, arm)) - glm::outerProduct(arm, arm));
-            desc.parts.push_back({part.hull, glm::vec3(arm)});
+            for (const BodyPart& hull : part.parts)
+                desc.parts.push_back({hull.hull, glm::vec3(arm + glm::dvec3(hull.offset))});
         }
         desc.mass = static_cast<float>(mass);
         desc.inertia = glm::mat3(inertia);
@@ -155,8 +250,6 @@ BodyDesc Structure::describe(const std::vector<uint32_t>& island, const Motion& 
     desc.linear_velocity =
         glm::vec3(glm::dvec3(motion.linear) + glm::cross(glm::dvec3(motion.angular), to_world_axes(motion.pose, arm)));
     desc.angular_velocity = motion.angular;
-    desc.friction = desc_.material.friction;
-    desc.restitution = desc_.material.restitution;
     return desc;
 }
 
@@ -177,7 +270,7 @@ uint32_t Structure::index_of(BodyId body) const {
 uint32_t Structure::piece_at(BodyId body, uint32_t part) const {
     const uint32_t index = index_of(body);
     if (index == none) return none;
-    const std::vector<uint32_t>& pieces = bodies_[index].pieces;
+    const std::vector<uint32_t>& pieces = pieces_by_part(bodies_[index]);
     return part < pieces.size() ? pieces[part] : none;
 }
 
@@ -310,7 +403,8 @@ void Structure::visit_poses(const World& world, float alpha, uint64_t since, con
     for (const BodyState& body : bodies_) {
         if (body.pieces.empty() || !world.contains(body.id) || world.last_moved_step(body.id) < since) continue;
         const Pose pose = world.interpolated_pose(body.id, alpha);
-        for (const uint32_t piece : body.pieces) visit(piece, offset_pose(pose, pieces_[piece].centre - body.centre));
+        for (const uint32_t piece : body.pieces)
+            if (!pieces_[piece].parts.empty()) visit(piece, offset_pose(pose, pieces_[piece].centre - body.centre));
     }
 }
 

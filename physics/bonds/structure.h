@@ -33,6 +33,8 @@
 //   back by a rewind.
 // - A single piece that comes off while more bodies collide than the limit allows becomes debris (crowd.h). A body of
 //   several bonded pieces never does.
+// - An assembly has pieces of several objects: with materials and hulls of their own, bonds of glue with a strength of
+//   their own, and supports, which stand for what is fixed (StructureDesc).
 // - The weight of anchored bodies and contacts slower than impact_speed are loads. Overloaded bonds wear (wear.h).
 //
 // Bonded convex pieces, compounds and islands: Mueller, Chentanez and Kim, "Real Time Dynamic Fracture with Volumetric
@@ -75,12 +77,21 @@ struct StructureDesc {
     std::vector<uint32_t> anchored{}; // pieces that are fixed to the world (anchor.h)
     float impact_speed = 0.5f;        // m/s; faster contacts are blows, slower ones loads
     WearSettings wear{};
+    // Of an assembly: bodies of several objects whose bonds are glue or mortar (fracture/pieces/contacts.h finds them).
+    // Each list is empty, or has an entry for each piece or bond.
+    std::vector<Material> piece_materials{}; // in place of `material`; a body slides and bounces as its heaviest piece
+    // Pa, tensile, >= 0; the other strengths of the bond are in proportion. 0: the weaker material of its two pieces.
+    std::vector<float> bond_strength{};
+    std::vector<std::vector<BodyPart>> piece_parts{}; // hulls, in place of `hulls`, from the piece's centre of mass
+    // Pieces that stand for something fixed that others are glued to, such as a body that the world already has. They
+    // are anchored, and have neither mass, hulls nor a body of their own.
+    std::vector<uint32_t> supports{};
 };
 
 class Structure {
   public:
     // Adds one body per island of the bond graph. Fails as add_pieces() does, and with invalid_setting on an anchored
-    // piece that does not exist or on a wrong number of hulls. On failure the world is unchanged.
+    // piece or a support that does not exist, on a wrong number of entries in a list, and on an invalid strength. On failure the world is unchanged.
     static Result<Structure> create(World& world, const fracture::Fragments& fragments, const StructureDesc& desc = {});
 
     // The following functions damage bonds or anchors; bodies split in the next update().
@@ -153,17 +164,19 @@ class Structure {
         glm::dvec3 centre{0.0}; // of mass, in the fragments
         double mass = 0.0;      // kg
         glm::dmat3 inertia{0.0};
-        double impact_threshold = 0.0; // N s by 1 kg; a harder blow is an Impact
-        std::shared_ptr<const CollisionHull> hull;
+        double impact_threshold = 0.0;        // N s by 1 kg; a harder blow is an Impact
+        std::vector<BodyPart> parts;          // hulls, from the centre of mass; none of a support
         std::shared_ptr<const BodyForm> form; // of its body while alone and free; null if make_form() failed
         uint32_t body = UINT32_MAX;           // index into bodies_; none once removed
         size_t initial_pieces = 0;            // piece count of its first body
+        float friction = 0.0f, restitution = 0.0f;
         bool anchored = false;
     };
     struct BodyState {
         BodyId id;              // BodyId{} once split or removed
         glm::dvec3 centre{0.0}; // of mass, in the fragments
         std::vector<uint32_t> pieces;
+        std::vector<uint32_t> piece_of_part; // by hull; empty where each piece has one
         bool fixed = false;
     };
     struct Motion { // of a body, in the world
@@ -184,6 +197,14 @@ class Structure {
     // Returns 1 for each island of a split body that becomes debris because too many bodies collide, else 0.
     [[nodiscard]] std::vector<uint8_t> debris_of_islands(const World& world,
                                                          std::span<const std::vector<uint32_t>> islands) const;
+    static Result<void> check_assembly(const fracture::Fragments& fragments, const StructureDesc& desc);
+    static std::vector<Material> bond_materials(const fracture::Fragments& fragments, const StructureDesc& desc);
+    // The islands without those of supports alone.
+    [[nodiscard]] std::vector<std::vector<uint32_t>> with_bodies(std::vector<std::vector<uint32_t>> islands) const;
+    // The pieces of a body by its hulls.
+    static const std::vector<uint32_t>& pieces_by_part(const BodyState& body) {
+        return body.piece_of_part.empty() ? body.pieces : body.piece_of_part;
+    }
     [[nodiscard]] bool exists(const World& world, uint32_t body) const;
     [[nodiscard]] uint32_t index_of(BodyId body) const; // into bodies_, or none
     // Returns the piece at hull `part` of a body, or none if the body is not of this structure.

@@ -185,11 +185,13 @@ std::vector<Structure::HeldJoint> Structure::take_joints(World& world, uint32_t 
         HeldJoint& made = held.emplace_back(HeldJoint{joint});
         double nearest = std::numeric_limits<double>::infinity();
         for (const uint32_t piece : bodies_[body].pieces) {
-            const double distance =
-                fracture::distance_to_hull(pieces_[piece].hull->points, anchor - pieces_[piece].centre);
-            if (!(distance < nearest)) continue;
-            nearest = distance;
-            made.piece = piece;
+            for (const BodyPart& part : pieces_[piece].parts) {
+                const glm::dvec3 local = anchor - pieces_[piece].centre - glm::dvec3(part.offset);
+                const double distance = fracture::distance_to_hull(part.hull->points, local);
+                if (!(distance < nearest)) continue;
+                nearest = distance;
+                made.piece = piece;
+            }
         }
     }
     return held;
@@ -204,8 +206,9 @@ void Structure::replace(World& world, const Break& broken) {
     changes_.removed.push_back(body.id);
     body_of_id_.erase(std::exchange(body.id, {}).value);
     for (const uint32_t piece : std::exchange(body.pieces, {})) pieces_[piece].body = none;
-    const std::vector<uint8_t> debris = debris_of_islands(world, broken.islands);
-    [[maybe_unused]] const Result<void> added = add_islands(world, broken.islands, motion, debris);
+    const std::vector<std::vector<uint32_t>> islands = with_bodies(broken.islands);
+    const std::vector<uint8_t> debris = debris_of_islands(world, islands);
+    [[maybe_unused]] const Result<void> added = add_islands(world, islands, motion, debris);
     assert(added && "an island of a valid body is a valid body");
     for (const HeldJoint& held : joints) world.put_joint(held.joint, body_of(held.piece));
 }
@@ -228,7 +231,7 @@ std::vector<Structure::Push> Structure::break_ways(World& world, std::span<const
     std::vector<Push> pushes;
     for (const auto& [striker, body] : strikes)
         for (const CastHit& hit : world.cast(striker, bodies_[body].id, seconds_left.at(striker)))
-            if (const uint32_t piece = bodies_[body].pieces[hit.part]; !touched.contains({striker, piece}))
+            if (const uint32_t piece = pieces_by_part(bodies_[body])[hit.part]; !touched.contains({striker, piece}))
                 if (const Push push = strike(world, striker, piece, hit); push.piece != none) pushes.push_back(push);
     const std::vector<uint32_t> broken = graph_.take_broken();
     changes_.broken.insert(changes_.broken.end(), broken.begin(), broken.end());
@@ -300,7 +303,7 @@ void Structure::solve_again(World& world, std::span<const SolvedContact> solved)
 // Sets the body and hull index to those of a piece of this structure.
 void Structure::locate(uint32_t piece, BodyId& body, uint32_t& part) const {
     if (piece == none) return;
-    const std::vector<uint32_t>& pieces = bodies_[pieces_[piece].body].pieces;
+    const std::vector<uint32_t>& pieces = pieces_by_part(bodies_[pieces_[piece].body]);
     body = body_of(piece);
     part = static_cast<uint32_t>(std::ranges::find(pieces, piece) - pieces.begin());
 }

@@ -17,10 +17,11 @@ constexpr double min_contact_ratio = 1e-3;
 
 } // namespace
 
-Wear::Wear(std::span<const StressNode> nodes, const BondGraph& graph, const Material& material,
-           const WearSettings& settings)
-    : material_(scale_strength(material, settings.strength_scale)), settings_(settings),
-      mean_contact_loads_(nodes.size()), solver_loads_(nodes.size()), ratios_(graph.bonds().size(), 0.0) {
+Wear::Wear(std::span<const StressNode> nodes, const BondGraph& graph, const WearSettings& settings)
+    : settings_(settings), mean_contact_loads_(nodes.size()), solver_loads_(nodes.size()),
+      ratios_(graph.bonds().size(), 0.0) {
+    for (const Material& material : graph.materials())
+        materials_.push_back(scale_strength(material, settings.strength_scale));
     std::vector<StressBond> bonds;
     for (const BondGraph::Bond& bond : graph.bonds())
         bonds.push_back({bond.live() ? bond.a : 0, bond.live() ? bond.b : 0, bond.live() ? bond.area : 0.0,
@@ -65,7 +66,8 @@ void Wear::step(BondGraph& graph, std::span<const NodeLoad> weights, std::span<c
     }
     if (ratios_due_ && solver_.solve(settings_.iterations, tolerance)) {
         for (uint32_t i = 0; i < ratios_.size(); ++i)
-            ratios_[i] = graph.bonds()[i].live() ? load_ratio(solver_.stress(i), material_) : 0.0;
+            ratios_[i] =
+                graph.bonds()[i].live() ? load_ratio(solver_.stress(i), materials_[graph.bonds()[i].material]) : 0.0;
         ratios_due_ = false;
     }
     if (ratios_due_) return;

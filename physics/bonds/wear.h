@@ -7,7 +7,7 @@
 //
 // Coordinates are those of the fragments; SI units. Deterministic. Not thread-safe.
 //
-//     Wear wear(nodes, graph, material, settings);
+//     Wear wear(nodes, graph, settings);
 //     each step: wear.step(graph, weights, contact_loads, seconds);
 //                wear.remove_bonds(graph.take_broken());
 #pragma once
@@ -33,8 +33,7 @@ struct WearSettings {
 class Wear {
   public:
     Wear() = default;
-    Wear(std::span<const StressNode> nodes, const BondGraph& graph, const Material& material,
-         const WearSettings& settings);
+    Wear(std::span<const StressNode> nodes, const BondGraph& graph, const WearSettings& settings);
 
     void remove_bonds(std::span<const uint32_t> bonds);
     void release(std::span<const uint32_t> nodes);
@@ -51,7 +50,7 @@ class Wear {
 
   private:
     StressSolver solver_;
-    Material material_; // with strength_scale applied
+    std::vector<Material> materials_; // as BondGraph::materials(), with strength_scale applied
     WearSettings settings_;
     std::vector<NodeLoad> mean_contact_loads_, solver_loads_; // by node
     std::vector<NodeLoad> next_loads_;                        // scratch of step()
