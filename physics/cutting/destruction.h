@@ -59,6 +59,7 @@
 
 #include <compare>
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <iosfwd>
 #include <limits>
@@ -137,6 +138,18 @@ struct Commit {
     uint32_t job = 0;
 
     friend bool operator==(const Commit&, const Commit&) = default;
+};
+
+// A blow that cut nothing, for messages to people. It is no part of the state.
+struct BorneBlow {
+    uint64_t step = 0; // World::steps_taken()
+    PieceId piece;
+    BodyId striker;
+    Blow blow{};         // its energy includes the bounce
+    double bounce = 0.0; // J of the energy that the striker kept
+    Material material{};
+    double volume = 0.0; // m^3, of the piece
+    DamageLimits limits{};
 };
 
 struct PieceAdded {
@@ -242,6 +255,9 @@ class Destruction {
     [[nodiscard]] std::optional<uint32_t> bonded(PieceId piece) const;
     [[nodiscard]] size_t jobs_in_flight() const { return jobs_.size(); }
     [[nodiscard]] const Statistics& statistics() const { return statistics_; }
+    // The last blows that cut nothing of pieces that can be cut, newest last; at most max_borne.
+    [[nodiscard]] const std::deque<BorneBlow>& borne() const { return borne_; }
+    static constexpr size_t max_borne = 64;
     // Hash of pieces, their loads, jobs and structures: the state that World::state_hash() does not cover.
     [[nodiscard]] uint64_t state_hash() const;
 
@@ -321,6 +337,8 @@ class Destruction {
     void hit_piece(const World& world, PieceId id, const Hit& hit);
     [[nodiscard]] std::optional<Blow> blow_at(const World& world, const Live& piece, const glm::vec3& point,
                                               const glm::vec3& normal, double energy, double force) const;
+    void note_borne(const World& world, PieceId id, const Hit& hit);
+    [[nodiscard]] DamageLimits limits_of(const Live& piece) const;
     [[nodiscard]] std::optional<PlannedCut> plan(const World& world, const Live& piece, Blow blow,
                                                  double bounce = 0.0) const;
     void start_job(const World& world, PieceId id, const Hit& hit);
@@ -364,6 +382,7 @@ class Destruction {
     std::map<PieceId, PieceFading> fading_;
     std::function<bool(const glm::vec3&, float)> visible_;
     Statistics statistics_;
+    std::deque<BorneBlow> borne_;
     Background<Broken> background_; // last member: its threads end before the others are destroyed
 };
 

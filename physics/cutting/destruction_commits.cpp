@@ -89,7 +89,10 @@ bool Destruction::commit(World& world, uint32_t number) {
         statistics_.last_failure = broken.failure;
         piece.unbreakable = true;
     } else if (broken.pieces.size() < 2) {
-        if (!job.along_blocks) ++statistics_.withstood;
+        if (!job.along_blocks) {
+            ++statistics_.withstood;
+            note_borne(world, job.piece, job.hit);
+        }
         if (waiting) start_job(world, job.piece, *waiting);
         if (piece.job == none && (waiting || !job.along_blocks)) {
             const bool later = waiting && (job.along_blocks || waiting->blow.energy > job.hit.blow.energy);

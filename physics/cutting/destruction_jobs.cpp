@@ -148,10 +148,27 @@ bool Destruction::cuts(const World& world, const Live& piece, const Hit& hit) co
     return plan(world, piece, hit.blow, hit.bounce).has_value();
 }
 
+DamageLimits Destruction::limits_of(const Live& piece) const {
+    const BreakableDesc& desc = *objects_.at(piece.object).desc;
+    const double least = desc.solid.min_size * desc.solid.min_size * desc.solid.min_size;
+    return {desc.max_pieces, least, piece.solid->bearable};
+}
+
+void Destruction::note_borne(const World& world, PieceId id, const Hit& hit) {
+    const Live& piece = pieces_.at(id);
+    if (!piece.solid->breakable || piece.unbreakable || piece.fading > 0) return;
+    if (borne_.size() == max_borne) borne_.pop_front();
+    borne_.push_back({world.steps_taken(), id, hit.contact.striker, hit.blow, hit.bounce,
+                      objects_.at(piece.object).desc->solid.material, piece.solid->mass.volume, limits_of(piece)});
+}
+
 // Starts a job, or keeps the blow until the running job is done.
 void Destruction::hit_piece(const World& world, PieceId id, const Hit& hit) {
     Live& piece = pieces_.at(id);
-    if (!cuts(world, piece, hit)) return break_elsewhere(world, id, hit);
+    if (!cuts(world, piece, hit)) {
+        if (piece.job == none) note_borne(world, id, hit);
+        return break_elsewhere(world, id, hit);
+    }
     if (piece.job == none) {
         if (!(hit.blow.force > piece.solid->bearable))
             break_elsewhere(world, id, hit, plan(world, piece, hit.blow, hit.bounce));
@@ -172,9 +189,7 @@ std::optional<PlannedCut> Destruction::plan(const World& world, const Live& piec
     if (!piece.solid->breakable || piece.unbreakable || piece.fading > 0) return std::nullopt;
     if (!(blow.force > piece.solid->bearable)) blow.energy -= bounce;
     const std::shared_ptr<const BreakableDesc>& desc = objects_.at(piece.object).desc;
-    const double least = desc->solid.min_size * desc->solid.min_size * desc->solid.min_size;
-    const Damage damage = damage_of(blow, desc->solid.material, piece.solid->mass.volume,
-                                    {desc->max_pieces, least, piece.solid->bearable});
+    const Damage damage = damage_of(blow, desc->solid.material, piece.solid->mass.volume, limits_of(piece));
     if (damage.pieces == 0) return std::nullopt;
     const uint64_t seed = piece.blows == 0 ? piece.seed : seed_of(piece.seed, blow_seed_base + piece.blows);
     return PlannedCut{piece.solid, desc, blow, damage, seed, gravity_of(world, piece)};

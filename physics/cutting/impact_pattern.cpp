@@ -383,6 +383,25 @@ double energy_of(double radius, const Material& material, double volume, uint32_
     return high;
 }
 
+double breaking_energy(const Blow& blow, double bounce, const Material& material, double volume,
+                       const DamageLimits& limits) {
+    constexpr double most = 1000.0; // times the speed
+    const auto breaks = [&](double speed) {
+        Blow faster = blow;
+        faster.force *= speed;
+        faster.energy *= speed * speed;
+        if (!(faster.force > limits.bearable)) faster.energy *= 1.0 - bounce;
+        return damage_of(faster, material, volume, limits).pieces > 0;
+    };
+    if (!breaks(most)) return std::numeric_limits<double>::infinity();
+    double low = 1.0 / most, high = most;
+    for (int k = 0; k < 60; ++k) {
+        const double middle = std::sqrt(low * high);
+        (breaks(middle) ? high : low) = middle;
+    }
+    return blow.energy * high * high;
+}
+
 Damage damage_of(const Blow& blow, const Material& material, double volume, const DamageLimits& limits) {
     if (!finite(blow.point) || !finite(blow.normal) || !(glm::length(blow.normal) > 0.5) || !(blow.energy > 0.0)
         || !(blow.force > 0.0) || !std::isfinite(blow.energy) || !(volume > 0.0) || !std::isfinite(volume))

@@ -221,3 +221,31 @@ TEST_CASE("impact pattern: spread points are vertices far from each other") {
             CHECK(glm::distance(points[i], points[j]) > 0.5); // 12 caps of radius 0.6 cover the sphere
     }
 }
+
+TEST_CASE("impact pattern: the energy that breaks a solid does, and a little less does not") {
+    const Material material = material_preset("stone")->material;
+    const double volume = 0.125;
+    const DamageLimits limits{.max_pieces = 24, .min_volume = 1e-4, .bearable = 5e4};
+    CHECK(breaking_energy({.energy = 0.0, .force = 1.0}, 0.0, material, volume, limits)
+          == std::numeric_limits<double>::infinity());
+    CHECK(breaking_energy({.energy = 1.0, .force = 1.0}, 0.0, material, 0.0, limits)
+          == std::numeric_limits<double>::infinity());
+    CHECK(breaking_energy({.energy = 2.0, .force = 10.0}, 0.0, material, volume, limits) // a thousand times is too weak
+          == std::numeric_limits<double>::infinity());
+    for (const double force : {1e3, 1e4, 1e5, 1e7})
+        for (const double bounce : {0.0, 0.6}) {
+            CAPTURE(force);
+            CAPTURE(bounce);
+            const Blow blow{.energy = 2.0, .force = force};
+            const double needed = breaking_energy(blow, bounce, material, volume, limits);
+            REQUIRE(std::isfinite(needed));
+            const auto pieces_at = [&](double energy) {
+                Blow other = blow;
+                other.force *= std::sqrt(energy / blow.energy);
+                other.energy = other.force > limits.bearable ? energy : (1.0 - bounce) * energy;
+                return damage_of(other, material, volume, limits).pieces;
+            };
+            CHECK(pieces_at(1.001 * needed) > 0);
+            CHECK(pieces_at(0.999 * needed) == 0);
+        }
+}

@@ -203,6 +203,38 @@ TEST_CASE("studio scene: it has the name of its file, and reset ends the explode
     CHECK(session.recipe_file == folder / "scene.json");
 }
 
+TEST_CASE("studio scene: a message says that a ball broke nothing, and with what energy it would") {
+    const Folder folder;
+    FractureOptions options;
+    read_recipe(folder.write("scene.json", R"({"brittle": 2, "objects": [
+        {"name": "block", "mesh": "shape:cube", "material": "stone", "scale": 0.5, "translation": [0, 0.5, 0]}]})"),
+                options);
+    Room room(options);
+    if (!room.device) return;
+    Session& session = *room.session;
+    const auto told = [&] { return session.activity().message().text; };
+    session.tools.ball_radius = 0.02f;
+    session.tools.ball_speed = 1.5f;
+    session.shoot({0.0f, 0.5f, 0.7f}, {0.0f, 0.0f, -1.0f});
+    REQUIRE(room.soon([&] { return !told().empty(); }));
+    CAPTURE(told());
+    REQUIRE(told().find("Nothing broke: block was hit with") == 0);
+    const std::string text = told();
+    const double energy = std::stod(text.substr(text.find("with") + 5));
+    const double ball = 0.5 * 7800.0 * 4.0 / 3.0 * 3.14159 * std::pow(0.02, 3.0) * 1.5 * 1.5;
+    CHECK(energy > 0.3 * ball);
+    CHECK(energy < 1.1 * ball);
+    const size_t from = text.find("about");
+    REQUIRE(from != std::string::npos);
+    const double needed = std::stod(text.substr(from + 6));
+    CHECK(needed > energy);
+    session.reset(); // a ball with twice that energy breaks it, without a message
+    session.tools.ball_speed = 1.5f * static_cast<float>(std::sqrt(2.0 * needed / energy));
+    session.shoot({0.0f, 0.5f, 0.7f}, {0.0f, 0.0f, -1.0f});
+    REQUIRE(room.soon([&] { return session.counts()->pieces > 1; }));
+    CHECK(told().empty());
+}
+
 TEST_CASE("studio scene: a mesh replaces a scene, and undo brings the scene back") {
     const Folder folder;
     Room room(table_top(folder));

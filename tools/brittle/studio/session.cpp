@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <utility>
 
@@ -87,6 +88,7 @@ void Session::make_stage(std::vector<PreparedObject> parts) {
     stage_->simulation().observe(&*recorder_);
     ++stages_;
     moved_ = false;
+    watched_shot_.reset();
     shot_.reset(); // the ball and the blow that wait for the pieces of the old stage
     blow_.reset();
     playing_ = false;
@@ -278,6 +280,9 @@ void Session::shoot(const glm::vec3& from, const glm::vec3& direction) {
                        .velocity = glm::dvec3(tools.ball_speed * direction),
                        .radius = tools.ball_radius});
         playing_ = true;
+        if (const physics::Destruction* destruction = stage_->simulation().destruction())
+            watched_shot_ =
+                WatchedShot{steps(), destruction->statistics().breaks + destruction->statistics().overloads};
         return;
     }
     if (activity_.busy()) return;
@@ -392,7 +397,43 @@ void Session::update(double seconds) {
     if (counts_) counts_->awake = stage_->world().awake_count();
     if (const physics::Destruction* destruction = stage_->simulation().destruction(); destruction && counts_)
         counts_->pieces = static_cast<uint32_t>(destruction->pieces().size());
+    tell_borne_shot();
     if (piece && !pieces().contains(*piece)) piece.reset(); // it was cut
+}
+
+// Says why a ball broke nothing: its hardest blow, and the energy that would break what it hit.
+void Session::tell_borne_shot() {
+    constexpr uint64_t patience = 30; // steps, for what breaks late
+    const Simulation& simulation = stage_->simulation();
+    if (!watched_shot_ || !simulation.destruction()) return;
+    const physics::Destruction& destruction = *simulation.destruction();
+    const auto is_ball = [&](physics::BodyId body) {
+        return std::ranges::find(simulation.balls(), body, &Simulation::Ball::body) != simulation.balls().end();
+    };
+    std::optional<physics::BorneBlow>& borne = watched_shot_->borne;
+    for (const physics::BorneBlow& blow : destruction.borne())
+        if (blow.step > watched_shot_->step && is_ball(blow.striker)
+            && (!borne || blow.blow.energy > borne->blow.energy))
+            borne = blow;
+    const auto cuts = destruction.statistics().breaks + destruction.statistics().overloads;
+    if (cuts != watched_shot_->cuts) {
+        watched_shot_.reset();
+        return;
+    }
+    if (!borne || steps() < borne->step + patience || destruction.jobs_in_flight() > 0) return;
+    const physics::BorneBlow blow = *borne;
+    watched_shot_.reset();
+    if (!destruction.contains(blow.piece)) return;
+    const std::string name = simulation.members()[simulation.member_of(blow.piece.value)].name;
+    const double energy = blow.blow.energy;
+    const double needed =
+        physics::breaking_energy(blow.blow, blow.bounce / energy, blow.material, blow.volume, blow.limits);
+    char text[200];
+    if (needed > energy && std::isfinite(needed))
+        std::snprintf(text, sizeof text, "hit with %.3g J, and breaks from about %.3g J on", energy, needed);
+    else
+        std::snprintf(text, sizeof text, "hit with %.3g J; what that takes off is below its smallest pieces", energy);
+    activity_.say({"Nothing broke: " + (name.empty() ? "it" : name) + " was " + text + "."});
 }
 
 void Session::add_bond_lines(std::vector<engine::LineVertex>& lines) const {

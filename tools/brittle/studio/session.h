@@ -187,6 +187,7 @@ class Session {
     void take_pieces(Broken broken, PreparedPieces ahead, const WorldOptions& world);
     void report(const Failure& failure, const std::string& mend = {});
     void place_lines(engine::Scene& scene);
+    void tell_borne_shot();
     void add_boxes_of_selected(std::vector<engine::LineVertex>& lines) const;
     void add_bond_lines(std::vector<engine::LineVertex>& lines) const;
 
@@ -217,9 +218,16 @@ class Session {
     };
     std::optional<LayDown> lay_down_;
     std::optional<engine::Camera> camera_; // of the last frame
-    bool moved_ = false;                   // objects are drawn away from their places on the stage
-    bool play_due_ = false;                // time begins once the scene is read
-    uint64_t stages_ = 0;                  // number of stages so far; pieces made for an older one are dropped
+    // A ball under way. A message follows if it breaks nothing.
+    struct WatchedShot {
+        uint64_t step; // of the shot
+        uint32_t cuts; // before it
+        std::optional<physics::BorneBlow> borne{};
+    };
+    std::optional<WatchedShot> watched_shot_;
+    bool moved_ = false;    // objects are drawn away from their places on the stage
+    bool play_due_ = false; // time begins once the scene is read
+    uint64_t stages_ = 0;   // number of stages so far; pieces made for an older one are dropped
     bool fractured_ = false;
     bool playing_ = false;
     bool single_step_ = false;
