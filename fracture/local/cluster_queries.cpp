@@ -1,6 +1,8 @@
 #include "fracture/local/cluster_queries.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <limits>
 
 #include <glm/common.hpp>
@@ -35,6 +37,47 @@ double distance_to(const glm::dvec3& origin, const glm::dvec3& direction, const 
     return at >= 0.0 && at <= 1.0 ? at : infinity;
 }
 
+// By vertex of a cluster: a bit for each of four half-spaces that hold it. A triangle whose corners share a bit lies in
+// that half-space.
+using Sides = std::array<uint8_t, 256>;
+
+bool is_beyond(const Sides& sides, const std::array<uint8_t, 3>& triangle) {
+    return (sides[triangle[0]] & sides[triangle[1]] & sides[triangle[2]]) != 0;
+}
+
+// The sides of coordinates at two planes.
+uint8_t sides_of(double y, double z, double low_y, double high_y, double low_z, double high_z) {
+    return static_cast<uint8_t>((y < low_y ? 1 : 0) | (y > high_y ? 2 : 0) | (z < low_z ? 4 : 0)
+                                | (z > high_z ? 8 : 0));
+}
+
+// A line as two planes that meet in it. A triangle that has all corners on one side of one of them misses the line.
+class LinePlanes {
+  public:
+    // `size` bounds the coordinates of the triangles.
+    LinePlanes(const glm::dvec3& from, const glm::dvec3& way, double size) {
+        constexpr double rounding = 1e-12; // far above the error of a scalar product
+        const glm::dvec3 axis = std::abs(way.x) <= std::abs(way.y) && std::abs(way.x) <= std::abs(way.z)
+                                    ? glm::dvec3(1.0, 0.0, 0.0)
+                                : std::abs(way.y) <= std::abs(way.z) ? glm::dvec3(0.0, 1.0, 0.0)
+                                                                     : glm::dvec3(0.0, 0.0, 1.0);
+        y_ = glm::normalize(glm::cross(way, axis));
+        z_ = glm::normalize(glm::cross(way, y_));
+        at_y_ = glm::dot(y_, from);
+        at_z_ = glm::dot(z_, from);
+        tolerance_ = rounding * (size + glm::length(from));
+    }
+    // A NaN, of a segment without length, is on no side.
+    [[nodiscard]] uint8_t sides_of(const glm::dvec3& p) const {
+        return fracture::sides_of(glm::dot(y_, p) - at_y_, glm::dot(z_, p) - at_z_, -tolerance_, tolerance_,
+                                  -tolerance_, tolerance_);
+    }
+
+  private:
+    glm::dvec3 y_, z_; // unit normals
+    double at_y_, at_z_, tolerance_;
+};
+
 } // namespace
 
 void RayWinding::add(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
@@ -49,8 +92,16 @@ void RayWinding::add(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3&
 bool is_inside(const ClusterMesh& mesh, const glm::dvec3& point) {
     RayWinding ray(point);
     mesh.visit(ray.reach(mesh.box()), [&](const ClusterPtr& cluster) {
-        for (const auto& [a, b, c] : cluster->triangles)
+        Sides sides;
+        for (size_t v = 0; v < cluster->positions.size(); ++v) {
+            const glm::dvec3& p = cluster->positions[v];
+            sides[v] = sides_of(p.y, p.z, point.y, point.y, point.z, point.z);
+        }
+        for (const std::array<uint8_t, 3>& triangle : cluster->triangles) {
+            if (is_beyond(sides, triangle)) continue;
+            const auto& [a, b, c] = triangle;
             ray.add(cluster->positions[a], cluster->positions[b], cluster->positions[c]);
+        }
     });
     return ray.winding() > 0;
 }
@@ -69,10 +120,17 @@ std::optional<double> first_hit(const ClusterMesh& mesh, const glm::dvec3& from,
         constexpr double rounding = 1e-9;
         return begin <= end + rounding;
     };
+    const Box box = mesh.box();
+    const LinePlanes line(from, way, glm::length(glm::max(glm::abs(box.min), glm::abs(box.max))));
     mesh.visit_where(on_way, [&](const ClusterPtr& cluster) {
-        for (const auto& [a, b, c] : cluster->triangles)
+        Sides sides;
+        for (size_t v = 0; v < cluster->positions.size(); ++v) sides[v] = line.sides_of(cluster->positions[v]);
+        for (const std::array<uint8_t, 3>& triangle : cluster->triangles) {
+            if (is_beyond(sides, triangle)) continue;
+            const auto& [a, b, c] = triangle;
             nearest = std::min(
                 nearest, distance_to(from, way, cluster->positions[a], cluster->positions[b], cluster->positions[c]));
+        }
     });
     return nearest <= 1.0 ? std::optional(nearest) : std::nullopt;
 }

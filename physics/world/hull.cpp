@@ -10,6 +10,7 @@
 #include <LinearMath/btConvexHullComputer.h>
 #include <glm/geometric.hpp>
 
+#include "fracture/base/simd.h"
 #include "fracture/base/threads.h"
 #include "fracture/mesh/mass_properties.h"
 #include "fracture/mesh/principal_axes.h"
@@ -274,39 +275,61 @@ Directions directions_for(const OrientedExtents& extents) {
     return directions;
 }
 
+// By direction: the largest coordinate of points, and the first point that has it.
+struct Supports {
+    std::array<float, Directions::count> reach;
+    std::array<uint32_t, Directions::count> point;
+};
+
+BRITTLE_SIMD void find_supports(const glm::dvec3* points, uint32_t count, const Directions& directions,
+                                Supports& supports) {
+    for (uint32_t i = 0; i < count; ++i) {
+        const auto x = static_cast<float>(points[i].x);
+        const auto y = static_cast<float>(points[i].y);
+        const auto z = static_cast<float>(points[i].z);
+        for (size_t d = 0; d < Directions::count; ++d) {
+            const float value = directions.x[d] * x + directions.y[d] * y + directions.z[d] * z;
+            const bool farther = value > supports.reach[d];
+            supports.point[d] = farther ? i : supports.point[d];
+            supports.reach[d] = farther ? value : supports.reach[d];
+        }
+    }
+}
+
+// Returns the first direction in which the second supports fall short the most; nothing where they reach as far in all.
+BRITTLE_SIMD std::optional<size_t> widest_gap(const Supports& full, const Supports& chosen) {
+    constexpr size_t lanes = 16;
+    static_assert(Directions::count % lanes == 0);
+    std::array<float, lanes> widest{};
+    for (size_t d = 0; d < Directions::count; d += lanes) {
+        for (size_t k = 0; k < lanes; ++k) {
+            const float gap = full.reach[d + k] - chosen.reach[d + k];
+            widest[k] = gap > widest[k] ? gap : widest[k];
+        }
+    }
+    const float most = *std::ranges::max_element(widest);
+    if (!(most > 0.0f)) return std::nullopt;
+    size_t d = 0;
+    while (full.reach[d] - chosen.reach[d] != most) ++d;
+    return d;
+}
+
 // Returns at most `count` points whose hull is close to that of all points. Each is the point farthest outside the
 // hull of the points before it, over all directions: the depth at which it would penetrate a floor under that hull.
 std::vector<glm::dvec3> supporting_subset(const std::vector<glm::dvec3>& points, const Directions& directions,
                                           size_t count) {
     if (points.size() <= count) return points;
-    std::array<float, Directions::count> full_support, chosen_support;
-    std::array<uint32_t, Directions::count> farthest{};
-    full_support.fill(-std::numeric_limits<float>::infinity());
-    chosen_support = full_support;
-    const auto support = [&](const glm::vec3& p, size_t d) {
-        return directions.x[d] * p.x + directions.y[d] * p.y + directions.z[d] * p.z;
-    };
-    for (uint32_t i = 0; i < points.size(); ++i) {
-        const glm::vec3 p(points[i]);
-        for (size_t d = 0; d < Directions::count; ++d) {
-            const float value = support(p, d);
-            farthest[d] = value > full_support[d] ? i : farthest[d];
-            full_support[d] = value > full_support[d] ? value : full_support[d];
-        }
-    }
+    Supports full, chosen_supports;
+    full.reach.fill(-std::numeric_limits<float>::infinity());
+    full.point.fill(0);
+    chosen_supports = full;
+    find_supports(points.data(), static_cast<uint32_t>(points.size()), directions, full);
     std::vector<glm::dvec3> chosen;
     while (chosen.size() < count) {
-        size_t worst = 0;
-        float max_gap = 0.0f;
-        for (size_t d = 0; d < Directions::count; ++d)
-            if (full_support[d] - chosen_support[d] > max_gap) max_gap = full_support[d] - chosen_support[d], worst = d;
-        if (!(max_gap > 0.0f)) break;
-        chosen.push_back(points[farthest[worst]]);
-        const glm::vec3 p(chosen.back());
-        for (size_t d = 0; d < Directions::count; ++d) {
-            const float value = support(p, d);
-            chosen_support[d] = value > chosen_support[d] ? value : chosen_support[d];
-        }
+        const std::optional<size_t> worst = widest_gap(full, chosen_supports);
+        if (!worst) break;
+        chosen.push_back(points[full.point[*worst]]);
+        find_supports(&chosen.back(), 1, directions, chosen_supports);
     }
     return chosen;
 }

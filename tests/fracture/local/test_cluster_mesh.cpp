@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 #include <set>
+#include <utility>
 #include <vector>
 
 #include <doctest/doctest.h>
@@ -215,6 +216,42 @@ TEST_CASE("cluster queries: inside, nearest point, hits and extents agree with t
             }
             CHECK(farthest_along(clusters, p, q) == along);
             CHECK(farthest_from(clusters, p) == from);
+        }
+    }
+}
+
+TEST_CASE("cluster queries: segments along axes, through vertices and without length") {
+    Random random(8);
+    for (const TriangleMesh& mesh : shapes()) {
+        const ClusterMesh clusters = clusters_of(mesh);
+        const Box box = bounds(mesh);
+        std::vector<uint32_t> all(mesh.triangles.size());
+        std::iota(all.begin(), all.end(), 0u);
+        const TriangleTree tree(mesh, all);
+        for (int k = 0; k < 60; ++k) {
+            glm::dvec3 p = place_near(box, random);
+            const int axis = k % 3;
+            p[axis] = box.min[axis] - 1.0;
+            glm::dvec3 q = p;
+            q[axis] = box.max[axis] + 1.0;
+            for (const auto& [from, to] : {std::pair(p, q), std::pair(q, p)}) {
+                const auto hit = first_hit(clusters, from, to);
+                const auto expected = tree.first_hit(from, to - from, no_index);
+                REQUIRE(hit.has_value() == expected.has_value());
+                if (hit) CHECK(*hit == doctest::Approx(*expected));
+            }
+            CHECK_FALSE(first_hit(clusters, p, p).has_value());
+            // A hit of the segment to a vertex is at the vertex or before it, and on the surface.
+            const glm::dvec3& vertex = mesh.positions[random.next() % mesh.positions.size()];
+            const glm::dvec3 beyond = p + 1.5 * (vertex - p);
+            if (const auto hit = first_hit(clusters, p, beyond)) {
+                const glm::dvec3 at = p + *hit * (beyond - p);
+                CHECK(glm::distance(nearest_on(mesh, at), at) < 1e-9);
+            }
+            // A ray through a vertex, so that its coordinates are equal to some.
+            const glm::dvec3 level(p.x + random.uniform() * (box.max.x + 1.0 - p.x), vertex.y, vertex.z);
+            if (glm::distance(nearest_on(mesh, level), level) > 1e-6)
+                CHECK(is_inside(clusters, level) == (winding_number(level, mesh.positions, mesh.triangles) > 0.5));
         }
     }
 }
