@@ -10,6 +10,7 @@
 #include "fracture/local/cluster_queries.h"
 #include "fracture/local/local_cut.h"
 #include "fracture/pieces/merge.h"
+#include "physics/cutting/job_threads.h"
 #include "physics/cutting/polytope.h"
 #include "physics/cutting/remaining_parts.h"
 #include "physics/cutting/solid_maker.h"
@@ -46,7 +47,7 @@ class NearBreak {
         goes_to_ = fracture::choose_mergers(cells, {groups_, cube(settings_.min_size), {}});
         if (budget) budget->surface = crack_surface(cells, goes_to_);
         if (budget && budget->exceeded()) return std::vector<SolidPtr>();
-        parts_ = parts_of_cells(cells, settings_.parts);
+        parts_ = parts_of_cells(cells, settings_.parts, threads_of(settings_.hull_threads));
         for (const Piece& cell : cells.pieces) {
             centres_.push_back(cell.mass.centre_of_mass);
             sites_of_cells_.push_back(cell.site);
@@ -146,7 +147,7 @@ class NearBreak {
             // Inside of what remains, the surface of all remains is that of one part.
             solid.parts = remaining_parts({solid_.parts, solid_.mass.centre_of_mass}, solid.clusters, left.size() > 1,
                                           {near_, planes_, lost, crumbs_}, least, solid.mass.centre_of_mass,
-                                          settings_.parts.hull);
+                                          settings_.parts.hull, threads_of(settings_.hull_threads));
         }
         return remains;
     }

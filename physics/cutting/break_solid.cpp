@@ -13,6 +13,7 @@
 #include "fracture/pieces/merge.h"
 #include "fracture/rough/rough.h"
 #include "physics/cutting/break_near.h"
+#include "physics/cutting/job_threads.h"
 #include "physics/cutting/solid_maker.h"
 
 namespace brittle::physics {
@@ -66,7 +67,8 @@ Result<std::vector<SolidPtr>> joined_pieces(const SolidPiece& solid, Fragments& 
                                             const std::function<bool()>& cancelled) {
     const std::vector<uint32_t> of_input = tags_of(solid.surface());
     const CutTags tags(cut, of_input, solid);
-    const std::vector<std::vector<BodyPart>> parts = parts_of_cells(cut, settings.parts);
+    const std::vector<std::vector<BodyPart>> parts =
+        parts_of_cells(cut, settings.parts, threads_of(settings.hull_threads));
     if (cancelled && cancelled()) return cancelled_error();
     std::vector<glm::dvec3> centres;
     for (const Piece& cell : cut.pieces) centres.push_back(cell.mass.centre_of_mass);

@@ -19,7 +19,8 @@ namespace {
 using fracture::Error;
 using fracture::Status;
 
-// Jobs cut on one thread each: threads that a worker started would inherit its low priority for good.
+// Jobs cut on one thread each: threads of a pool that a worker started would inherit its low priority for good. Those of
+// SolidSettings::hull_threads end with the cut.
 std::shared_ptr<const BreakableDesc> for_jobs(BreakableDesc desc) {
     desc.solid.threads = 1;
     return std::make_shared<const BreakableDesc>(std::move(desc));

@@ -13,6 +13,7 @@
 #include <glm/geometric.hpp>
 
 #include "fracture/local/cluster_queries.h"
+#include "physics/cutting/job_threads.h"
 #include "physics/cutting/polytope.h"
 
 namespace brittle::physics {
@@ -282,27 +283,14 @@ class PartMaker {
 
     // `place` is the origin of the hull's points.
     void add(std::shared_ptr<const CollisionHull> hull, const glm::dvec3& place) {
-        parts_.push_back({std::move(hull), glm::vec3(place - origin_)});
+        parts_.push_back(part_of(std::move(hull), place));
+        contents_.emplace_back();
     }
 
     // Adds a hull of what the solid has in polytopes, if that is enough.
-    void add_content(std::span<const Polytope> polytopes) {
-        double volume = 0.0;
-        glm::dvec3 centre(0.0);
-        for (const Polytope& polytope : polytopes) {
-            const double own = polytope.volume();
-            volume += own;
-            centre += own * polytope.centre();
-        }
-        if (!(volume > least_)) return;
-        centre /= volume;
-        std::vector<glm::dvec3> points;
-        for (const Polytope& polytope : polytopes) {
-            const std::vector<glm::dvec3> own = Content(surface_, polytope).points();
-            points.insert(points.end(), own.begin(), own.end());
-        }
-        if (points.size() < 4 || !(hull_volume(points, centre) > least_)) return;
-        add(std::make_shared<const CollisionHull>(collision_hull(points, centre, settings_)), centre);
+    void add_content(std::vector<Polytope> polytopes) {
+        parts_.emplace_back();
+        contents_.push_back(std::move(polytopes));
     }
 
     // Adds hulls of what is left of a hull without the holes.
@@ -315,24 +303,57 @@ class PartMaker {
                 whole.cut(*plane);
             }
         }
-        for (const std::vector<Polytope>& group : division.groups(whole, holes)) add_content(group);
+        for (std::vector<Polytope>& group : division.groups(whole, holes)) add_content(std::move(group));
     }
 
-    [[nodiscard]] std::vector<BodyPart> parts() { return std::move(parts_); }
+    // Makes the hulls of contents, nearly all of the work; the parts are in the order in which they were added.
+    [[nodiscard]] std::vector<BodyPart> parts(uint32_t threads) && {
+        std::vector<size_t> open;
+        for (size_t k = 0; k < contents_.size(); ++k)
+            if (!contents_[k].empty()) open.push_back(k);
+        for_each_on(threads, open.size(), [&](size_t k) { parts_[open[k]] = hull_of(contents_[open[k]]); });
+        std::erase_if(parts_, [](const BodyPart& part) { return !part.hull; });
+        return std::move(parts_);
+    }
 
   private:
+    [[nodiscard]] BodyPart part_of(std::shared_ptr<const CollisionHull> hull, const glm::dvec3& place) const {
+        return {std::move(hull), glm::vec3(place - origin_)};
+    }
+
+    // Without a hull where that is too little.
+    [[nodiscard]] BodyPart hull_of(std::span<const Polytope> polytopes) const {
+        double volume = 0.0;
+        glm::dvec3 centre(0.0);
+        for (const Polytope& polytope : polytopes) {
+            const double own = polytope.volume();
+            volume += own;
+            centre += own * polytope.centre();
+        }
+        if (!(volume > least_)) return {};
+        centre /= volume;
+        std::vector<glm::dvec3> points;
+        for (const Polytope& polytope : polytopes) {
+            const std::vector<glm::dvec3> own = Content(surface_, polytope).points();
+            points.insert(points.end(), own.begin(), own.end());
+        }
+        if (points.size() < 4 || !(hull_volume(points, centre) > least_)) return {};
+        return part_of(std::make_shared<const CollisionHull>(collision_hull(points, centre, settings_)), centre);
+    }
+
     const fracture::ClusterMesh& surface_;
     double least_;
     glm::dvec3 origin_;
     const HullSettings& settings_;
     std::vector<BodyPart> parts_;
+    std::vector<std::vector<Polytope>> contents_; // by part: what its hull is made of; empty once it has one
 };
 
 } // namespace
 
 std::vector<BodyPart> remaining_parts(const FormerParts& before, const fracture::ClusterMesh& surface,
                                       bool is_one_of_many, const LostCells& cells, double least,
-                                      const glm::dvec3& origin, const HullSettings& settings) {
+                                      const glm::dvec3& origin, const HullSettings& settings, uint32_t threads) {
     fracture::Box all{glm::dvec3(std::numeric_limits<double>::infinity()),
                       glm::dvec3(-std::numeric_limits<double>::infinity())};
     std::vector<fracture::Box> boxes;
@@ -349,7 +370,7 @@ std::vector<BodyPart> remaining_parts(const FormerParts& before, const fracture:
         const auto whole = [&] { return Polytope::around(*hull, static_cast<double>(hull->margin), place); };
         const std::vector<Polytope> holes = lost.in(boxes[k], whole);
         if (!holes.empty() && is_one_of_many) { // a part of several cells may hold some of another solid
-            for (const Polytope& cell : division.cells_of(whole())) maker.add_content({&cell, 1});
+            for (Polytope& cell : division.cells_of(whole())) maker.add_content({std::move(cell)});
         } else if (!holes.empty()) {
             maker.add_divided(*hull, place, division, whole(), holes);
         } else {
@@ -357,10 +378,10 @@ std::vector<BodyPart> remaining_parts(const FormerParts& before, const fracture:
             if (held == Holds::all)
                 maker.add(hull, place);
             else if (held == Holds::something)
-                maker.add_content(std::array{whole()});
+                maker.add_content({whole()});
         }
     }
-    return maker.parts();
+    return std::move(maker).parts(threads);
 }
 
 } // namespace brittle::physics

@@ -5,7 +5,8 @@
 // the sites that stay; cells that a lost cell does not separate share a hull. So hulls lie inside those before, and
 // outside the cells of the pieces that left; they overlap neither. Parts without any of the solid in them are dropped.
 //
-// Metres; coordinates of the object. Pure function, equal input gives equal parts.
+// Metres; coordinates of the object. Pure function; equal input gives equal parts with any number of
+// threads.
 #pragma once
 
 #include <cstdint>
@@ -37,6 +38,7 @@ struct FormerParts {
 // result is relative to `origin`.
 [[nodiscard]] std::vector<BodyPart> remaining_parts(const FormerParts& before, const fracture::ClusterMesh& surface,
                                                     bool is_one_of_many, const LostCells& cells, double least,
-                                                    const glm::dvec3& origin, const HullSettings& settings = {});
+                                                    const glm::dvec3& origin, const HullSettings& settings = {},
+                                                    uint32_t threads = 1);
 
 } // namespace brittle::physics

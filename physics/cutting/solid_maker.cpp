@@ -11,6 +11,7 @@
 
 #include "fracture/base/threads.h"
 #include "fracture/local/cluster_queries.h"
+#include "physics/cutting/job_threads.h"
 
 namespace brittle::physics {
 
@@ -179,23 +180,23 @@ double crack_surface(const Fragments& cells, std::span<const uint32_t> goes_to) 
     return surface;
 }
 
-std::vector<std::vector<BodyPart>> parts_of_cells(const Fragments& cells, const ConvexPartSettings& settings) {
+std::vector<std::vector<BodyPart>> parts_of_cells(const Fragments& cells, const ConvexPartSettings& settings,
+                                                  uint32_t threads) {
     ConvexPartSettings few = settings;
     few.max_parts = std::min(settings.max_parts, max_parts_of_cell);
     const std::vector<std::vector<HullPlane>> planes = contact_planes(cells);
-    std::vector<std::vector<BodyPart>> parts;
-    for (const Piece& piece : cells.pieces) {
-        if (std::isinf(piece.mass.volume)) {
-            parts.emplace_back();
-            continue;
-        }
-        few.hull.planes = planes[parts.size()];
+    std::vector<std::vector<BodyPart>> parts(cells.pieces.size());
+    for_each_on(threads, parts.size(), [&](size_t cell) {
+        const Piece& piece = cells.pieces[cell];
+        if (std::isinf(piece.mass.volume)) return;
+        ConvexPartSettings own = few;
+        own.hull.planes = planes[cell];
         std::vector<glm::dvec3> outline;
         if (cells.rough_triangles > 0) outline = outline_of(cells, piece);
-        few.points = outline;
-        parts.push_back(convex_parts(cells.positions_of(piece), cells.triangles_of(piece), piece.mass.volume,
-                                     piece.mass.centre_of_mass, few));
-    }
+        own.points = outline;
+        parts[cell] = convex_parts(cells.positions_of(piece), cells.triangles_of(piece), piece.mass.volume,
+                                   piece.mass.centre_of_mass, own);
+    });
     return parts;
 }
 

@@ -79,8 +79,8 @@ class CutTags {
 
 // By cell of a cut: its collision hulls, relative to the cell's centre of mass. None for a cell of infinite volume, an
 // open one (fracture/local/local_cut.h).
-[[nodiscard]] std::vector<std::vector<BodyPart>> parts_of_cells(const fracture::Fragments& cells,
-                                                                const ConvexPartSettings& settings);
+[[nodiscard]] std::vector<std::vector<BodyPart>>
+parts_of_cells(const fracture::Fragments& cells, const ConvexPartSettings& settings, uint32_t threads = 1);
 
 // Adds the hulls of a cell, whose centre of mass is given, to a piece.
 void add_parts(const std::vector<BodyPart>& parts, const glm::dvec3& centre, SolidPiece& piece);

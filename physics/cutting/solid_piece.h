@@ -46,6 +46,9 @@ struct SolidSettings {
     // a blow are closer than three times min_size, its cuts are flat.
     fracture::Roughness rough{};
     uint32_t threads = 1; // of one cut; the jobs of a Destruction use one each
+    // Of the collision hulls of one cut (job_threads.h); 0: one a core, at most four. The jobs of a Destruction use them
+    // too. Where cores are busy with frames, these threads wait as the job does.
+    uint32_t hull_threads = 0;
 };
 
 // The surface of a solid as arrays.

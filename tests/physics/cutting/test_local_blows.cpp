@@ -363,3 +363,35 @@ TEST_CASE("local blow: a budget knows the surface of the cracks, and ends a cut 
         }
     }
 }
+
+TEST_CASE("local blow: hulls do not depend on the number of threads that make them") {
+    const fracture::TriangleMesh mesh = fracture::torus(160, 80);
+    std::vector<std::vector<SolidPtr>> by_threads;
+    for (const uint32_t threads : {1u, 2u, 5u}) {
+        SolidSettings own = settings();
+        own.hull_threads = threads;
+        SolidPtr solid = solid_of(mesh);
+        std::vector<SolidPtr>& all = by_threads.emplace_back();
+        for (uint64_t seed = 1; seed <= 3; ++seed) {
+            const ImpactSites sites = sites_at(*solid, mesh.positions[seed * 3331 % mesh.positions.size()], 0.2, seed);
+            const auto pieces = break_solid(*solid, sites.sites, sites.groups, own);
+            REQUIRE(pieces.has_value());
+            REQUIRE(pieces->size() > 1);
+            all.insert(all.end(), pieces->begin(), pieces->end());
+            solid = *std::ranges::max_element(*pieces, {}, [](const SolidPtr& p) { return p->mass.volume; });
+        }
+    }
+    for (const std::vector<SolidPtr>& other : by_threads) {
+        REQUIRE(other.size() == by_threads[0].size());
+        for (size_t k = 0; k < other.size(); ++k) {
+            const std::vector<BodyPart>&a = by_threads[0][k]->parts, &b = other[k]->parts;
+            REQUIRE(a.size() == b.size());
+            for (size_t part = 0; part < a.size(); ++part) {
+                CHECK(a[part].offset == b[part].offset);
+                CHECK(a[part].hull->points == b[part].hull->points);
+                CHECK(a[part].hull->margin == b[part].hull->margin);
+                CHECK(a[part].hull->faces.corners == b[part].hull->faces.corners);
+            }
+        }
+    }
+}
