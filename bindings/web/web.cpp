@@ -117,6 +117,19 @@ WEB_API void web_mesh_free(brittle_mesh* mesh) {
     brittle_mesh_free(mesh);
 }
 
+WEB_API const char* web_materials() {
+    Json all = Json::object();
+    for (uint32_t k = 0; const char* name = brittle_material_name(k); ++k) {
+        brittle_material stuff{};
+        stuff.struct_size = sizeof stuff;
+        if (brittle_material_get(name, &stuff, &last) != BRITTLE_OK) return nullptr;
+        all[name] = {{"density", stuff.density},     {"friction", stuff.friction}, {"restitution", stuff.restitution},
+                     {"roughness", stuff.roughness}, {"pattern", stuff.pattern},   {"tensile", stuff.tensile},
+                     {"exterior", stuff.exterior},   {"interior", stuff.interior}};
+    }
+    return returned(all);
+}
+
 WEB_API brittle_pieces* web_fracture(const brittle_mesh* mesh, const char* settings, const double* sites,
                                      const double* weights, uint32_t count) {
     const Json json = Json::parse(settings);

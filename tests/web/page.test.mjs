@@ -7,7 +7,7 @@ import { createRequire } from "node:module";
 import path from "node:path";
 import test from "node:test";
 
-import { load } from "../../build/web/brittle-fracture/brittle.js";
+import { load, materials } from "../../build/web/brittle-fracture/brittle.js";
 
 const ROOT = new URL("../../", import.meta.url).pathname, PICTURES = path.join(ROOT, "build/web/pictures");
 const { chromium } = createRequire(path.join(ROOT, "build/web/package.json"))("playwright-core");
@@ -140,7 +140,7 @@ test("settings change the break; the seed too", async () => {
     await page.locator("#view").focus();
     await once();
     await page.locator("#material").selectOption("wood");
-    assert.equal(await page.locator("#roughness").inputValue(), "1");
+    assert.equal(await page.locator("#roughness").inputValue(), String((await materials()).wood.roughness));
     await page.locator("#view").focus();
     await once();
     assert.equal(hashes.size, 3);
@@ -288,6 +288,15 @@ test("without WebGL the page says what is missing", async () => {
     } finally {
         await plain.close();
     }
+});
+
+test("without the library the page says what is missing", async () => {
+    const page = await browser.newPage();
+    await page.route("**/brittle_wasm.wasm", (route) => route.abort());
+    await page.goto(`${address}?fixed`);
+    await page.waitForSelector('body[data-state="failed"]', WAIT);
+    assert.match(await page.locator(".fatal").innerText(), /did not start.*SIMD/s);
+    await page.close();
 });
 
 test("the library gives the hashes of the command line in Chromium", async () => {

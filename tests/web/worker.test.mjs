@@ -54,6 +54,14 @@ test("without hulls there are none", async () => {
     assert.throws(() => broken.surface(0), /came without surfaces/);
 });
 
+test("materials have their properties", async () => {
+    const { glass, stone } = await worker.materials();
+    assert.equal(glass.roughness, 0);
+    assert.ok(stone.density > 2000 && stone.tensile > 1e6);
+    assert.equal(stone.exterior.length, 3);
+    assert.equal(glass.pattern, "radial");
+});
+
 test("meshes are made of arrays, repaired and sent back", async () => {
     const open = await worker.mesh([0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1], [0, 1, 3, 1, 2, 3, 2, 0, 3]);
     assert.equal((await open.inspect()).refusal, "not_closed");

@@ -172,6 +172,23 @@ export class Fracture extends Pieces {
 }
 
 export function init(): Promise<void>;
+export interface MaterialProperties {
+    /** kg/m^3 */
+    density: number;
+    friction: number;
+    restitution: number;
+    /** Of cuts, as in FractureSettings. */
+    roughness: number;
+    pattern: Pattern;
+    /** Strength, Pa. */
+    tensile: number;
+    /** Linear colours of the original surface and of cuts. */
+    exterior: [number, number, number];
+    interior: [number, number, number];
+}
+
+/** The materials by name. */
+export function materials(): Promise<Record<Material, MaterialProperties>>;
 /** Bytes of memory that the library holds. They grow as needed, and never shrink. */
 export function heapBytes(): number;
 export function version(): Promise<string>;

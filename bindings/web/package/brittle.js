@@ -307,6 +307,12 @@ function check(name, value) {
             `${name} is ${value}; it must be a ${kind === "vector" ? "list of three numbers" : kind}`);
 }
 
+/** The materials by name: how they break, weigh and look. */
+export async function materials() {
+    await init();
+    return answer(module._web_materials());
+}
+
 /** Bytes of memory that the library holds. They grow as needed, and never shrink. */
 export function heapBytes() {
     return need().HEAPU8.length;

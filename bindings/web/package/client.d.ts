@@ -7,7 +7,7 @@
  *
  * Calls are done one after another. Bundlers find the worker by `new URL("./worker.js", import.meta.url)`.
  */
-import type { FractureSettings, Inspection, Pieces } from "./brittle.js";
+import type { FractureSettings, Inspection, Material, MaterialProperties, Pieces } from "./brittle.js";
 
 /** A mesh in the worker. */
 export interface RemoteMesh {
@@ -33,6 +33,7 @@ export class BrittleWorker {
     /** The bytes must not change afterwards. */
     load(bytes: ArrayBuffer | Uint8Array, extension: string): Promise<RemoteMesh>;
     shape(name: string): Promise<RemoteMesh>;
+    materials(): Promise<Record<Material, MaterialProperties>>;
     mesh(positions: ArrayLike<number>, triangles: ArrayLike<number>,
          options?: { uv?: ArrayLike<number>; materials?: ArrayLike<number>; weld?: boolean }): Promise<RemoteMesh>;
     /** milliseconds: of the fracture itself, in the worker. */

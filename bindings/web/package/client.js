@@ -29,6 +29,7 @@ export class BrittleWorker {
 
     load(bytes, extension) { return this.make({ work: "load", bytes: new Uint8Array(bytes), extension }); }
     shape(name) { return this.make({ work: "shape", name }); }
+    materials() { return this.call("materials", {}); }
     mesh(positions, triangles, options = {}) { return this.make({ work: "arrays", positions, triangles, options }); }
 
     async fracture(mesh, settings = {}, { signal, onProgress, surfaces = true, hulls = null } = {}) {
@@ -74,9 +75,9 @@ export class BrittleWorker {
         for (;;) {
             try {
                 const worker = await this.#start();
-                await this.#ensure(values.of, worker);
+                if ("of" in values) await this.#ensure(values.of, worker);
                 signal?.throwIfAborted();
-                return await this.#send(worker, { work, ...values, of: values.of.id }, onProgress);
+                return await this.#send(worker, { work, ...values, of: values.of?.id }, onProgress);
             } catch (error) {
                 if (error !== RESTARTED || signal?.aborted) throw error;
             }

@@ -1,5 +1,5 @@
 // The side of the worker: answers the calls of client.js, one after another.
-import { Mesh, fracture, init, load, shape } from "./brittle.js";
+import { Mesh, fracture, init, load, materials, shape } from "./brittle.js";
 
 const port = typeof self === "object" && self.postMessage ? self : (await import("node:worker_threads")).parentPort;
 const meshes = new Map();
@@ -13,6 +13,7 @@ const WORK = {
     },
     async repair({ id, of }) { meshes.set(id, meshes.get(of).repair()); },
     async unite({ id, of }) { meshes.set(id, meshes.get(of).unite()); },
+    async materials() { return [await materials()]; },
     async inspect({ of }) { return [meshes.get(of).inspect()]; },
     async mesh({ of }) {
         const { positions, triangles } = meshes.get(of);

@@ -17,20 +17,13 @@ const MATERIALS = {
     wood: { label: "Wood" },
     brick: { label: "Brick" },
 };
-const COLOURS = {
-    stone: { outside: [0.46, 0.44, 0.41], inside: [0.66, 0.62, 0.56] },
-    concrete: { outside: [0.42, 0.43, 0.44], inside: [0.56, 0.55, 0.53] },
-    ceramic: { outside: [0.10, 0.27, 0.42], inside: [0.76, 0.57, 0.42] },
-    glass: { outside: [0.34, 0.60, 0.62], inside: [0.58, 0.84, 0.82] },
-    wood: { outside: [0.36, 0.21, 0.11], inside: [0.70, 0.50, 0.29] },
-    brick: { outside: [0.46, 0.17, 0.11], inside: [0.62, 0.28, 0.18] },
-};
 const SITES = { of: (x) => Math.round(5 * 400 ** (x / 100)), back: (n) => Math.round(100 * Math.log(n / 5) / Math.log(400)) };
 
 const link = read(location.hash);
 const settings = link.settings;
 const worker = new BrittleWorker();
 let view = null, destruction = null;
+let materials = {};   // what the library knows of them
 let awaited = null;   // the name of a file that the link is for
 let opened = null;    // the mesh of the worker that stands there
 let work = null;      // AbortController of what runs in the worker
@@ -236,18 +229,18 @@ function fill() {
     sliders();
 }
 
+const colours = () => ({ outside: materials[settings.material].exterior, inside: materials[settings.material].interior });
+
 /** A setting changed: the object is whole again. */
 function changed(name, value) {
     settings[name] = value;
-    if (name === "material" && view) view.colours = COLOURS[value];
+    if (name === "material" && view) view.colours = colours();
     sliders();
     if (destruction?.ready && destruction.broken && name !== "radius") reset();
     else if (destruction?.ready) address();
 }
 $("material").onchange = () => {
-    const roughness = { stone: 0.8, concrete: 1, ceramic: 0.3, glass: 0, wood: 1, brick: 0.4 }[$("material").value];
-    settings.roughness = roughness;
-    $("roughness").value = roughness;
+    $("roughness").value = settings.roughness = materials[$("material").value].roughness;
     changed("material", $("material").value);
 };
 $("sites").oninput = () => changed("sites", SITES.of(Number($("sites").value)));
@@ -313,7 +306,7 @@ $("export").onclick = () => {
     if (!destruction.certificate) return hint("Break it first; the export has the pieces");
     working("Exporting", async () => {
         const { exportGlb } = await import("./export.js");
-        const bytes = await exportGlb(destruction, COLOURS[settings.material]);
+        const bytes = await exportGlb(destruction, colours());
         const at = URL.createObjectURL(new Blob([bytes], { type: "model/gltf-binary" }));
         const anchor = Object.assign(document.createElement("a"), { href: at, download: `${settings.model.replace(/\.[^.]*$/, "")}_pieces.glb` });
         anchor.click();
@@ -425,7 +418,13 @@ async function start() {
         return;
     }
     view.theme = document.documentElement.dataset.theme === "dark";
-    view.colours = COLOURS[settings.material];
+    try {
+        materials = await worker.materials();
+    } catch (error) {
+        fatal(`The library did not start. It needs WebAssembly with SIMD, and the file brittle_wasm.wasm: ${error.message}`);
+        return;
+    }
+    view.colours = colours();
     destruction = new Destruction(worker, view);
     size();
     sliders();
