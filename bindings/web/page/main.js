@@ -353,9 +353,9 @@ const KEYS = {
 };
 addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey || !view) return;
-    const inField = event.target.closest?.("input, select, button, label");
     const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
-    if (!KEYS[key] || inField && (event.target.type === "number" || key.length > 1 && key !== "Escape" || key === " ")) return;
+    if (!KEYS[key] || event.target.matches?.("input[type=number], select")) return;
+    if (event.target.closest?.("input, button, label") && (key.length > 1 && key !== "Escape" || key === " ")) return;
     event.preventDefault();
     KEYS[key]();
 });
@@ -384,6 +384,7 @@ function covered() {
 }
 function size() { view?.resize(innerWidth, innerHeight, covered()); }
 addEventListener("resize", size);
+addEventListener("hashchange", () => location.reload()); // another link in the same tab
 
 function frame(now) {
     requestAnimationFrame(frame);
