@@ -270,8 +270,8 @@ test("the page works without a network after the first visit", async () => {
     await page.evaluate(() => navigator.serviceWorker.ready);
     await page.waitForFunction(() => navigator.serviceWorker.controller !== null, undefined, WAIT);
     await context.setOffline(true);
-    await page.goto(`${address}#model=bunny`);
-    await page.reload();
+    // Another link in the same tab loads the page again.
+    await Promise.all([page.waitForEvent("load"), page.evaluate(() => location.hash = "model=bunny")]);
     await page.waitForSelector("body[data-opened]", WAIT);
     await page.mouse.click(300, 360);
     assert.equal((await broken(page)).closed, "all");
