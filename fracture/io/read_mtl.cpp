@@ -15,6 +15,7 @@ class MtlReader {
         : cursor_(text), companions_(companions), model_(model) {}
 
     void read() {
+        const size_t first = model_.materials.size();
         while (!cursor_.at_end()) {
             const std::string_view keyword = cursor_.token();
             if (keyword == "newmtl") {
@@ -25,9 +26,20 @@ class MtlReader {
             }
             cursor_.next_line();
         }
+        for (size_t k = first; k < model_.materials.size(); ++k) set_alpha_mode(model_.materials[k]);
     }
 
   private:
+    // Nobody models what cannot be seen: MeshLab writes Tr 1 for a surface that is opaque.
+    void set_alpha_mode(Material& material) {
+        if (material.base_colour.w == 0.0) {
+            add_note(model_.notes, "the material " + fracture::quoted(material.name)
+                                       + " is fully transparent (d 0, or Tr 1); it is taken as opaque");
+            material.base_colour.w = 1.0;
+        }
+        if (material.base_colour.w < 1.0) material.alpha_mode = AlphaMode::blend;
+    }
+
     // Colours are linear, the convention of the modelling programs that write them.
     void read_property(std::string_view keyword, Material& material) {
         if (keyword == "Kd") {
@@ -54,7 +66,6 @@ class MtlReader {
         } else if (keyword == "norm") {
             material.normal_texture = read_texture();
         }
-        if (material.base_colour.w < 1.0) material.alpha_mode = AlphaMode::blend;
     }
 
     double read_share(double otherwise) {

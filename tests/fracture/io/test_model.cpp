@@ -220,6 +220,27 @@ TEST_CASE("model: faults of a material library give notes, and no file outside t
     CHECK(model.material_of == std::vector<uint32_t>{0, 0, 2, 2});
 }
 
+TEST_CASE("model: a material that nobody could see is opaque, with a note") {
+    const test::Folder folder;
+    std::ofstream(folder.path / "t.mtl") << "newmtl mesh lab\nTr 1.0\nKd 1 0 0\nnewmtl hidden\nd 0\n"
+                                            "newmtl pane\nd 0.25\nnewmtl first clear\nTr 0.5\nd 1\n";
+    std::ofstream(folder.path / "t.obj")
+        << "mtllib t.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nusemtl mesh lab\nf 1 3 2\n"
+           "usemtl hidden\nf 1 2 4\nusemtl pane\nf 1 4 3\nusemtl first clear\nf 2 3 4\n";
+    const Model model = imported(folder.path / "t.obj");
+    const auto opacity = [&](const char* name) {
+        const Material& material = model.materials[material_named(model, name)];
+        return std::pair(material.base_colour.w, material.alpha_mode);
+    };
+    CHECK(opacity("mesh lab") == std::pair(1.0, AlphaMode::opaque));
+    CHECK(opacity("hidden") == std::pair(1.0, AlphaMode::opaque));
+    CHECK(opacity("pane") == std::pair(0.25, AlphaMode::blend));
+    CHECK(opacity("first clear") == std::pair(1.0, AlphaMode::opaque));
+    REQUIRE(model.notes.size() == 2);
+    CHECK(model.notes[0].find("mesh lab") != std::string::npos);
+    CHECK(model.notes[1].find("hidden") != std::string::npos);
+}
+
 TEST_CASE("model: PLY keeps colours, STL the triangles, both are closed and have the volume") {
     const test::Folder folder;
     const Model crate = imported(meshes / "crate.glb");
