@@ -1,10 +1,16 @@
 // The `brittle` program: parses the command line and calls the function of the command.
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdio>
 #include <exception>
 #include <new>
+#include <numeric>
+#include <span>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
@@ -23,6 +29,7 @@ constexpr const char* description =
     "  brittle render bunny.obj -n 50 -o fall_%04d.png  write pictures, without a display\n";
 
 constexpr const char* exit_codes_help =
+    "brittle help COMMAND lists the options of a command.\n\n"
     "Exit codes: 0 success, 1 failure, 2 wrong command line, 3 input file missing or damaged,\n"
     "            4 mesh or sites cannot be fractured, 5 output not written,\n"
     "            6 no display, or no Vulkan device, or the device was lost,\n"
@@ -39,32 +46,84 @@ void add_commands(CLI::App& app, Run& run) {
     add_profile(app, run);
 }
 
-// The message for a first word that is neither an option nor a command; empty for others.
-std::string unknown_command(const CLI::App& app, int argc, char** argv) {
-    if (argc < 2 || argv[1][0] == '-') return "";
-    std::string known;
-    for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
-        if (command->get_name() == argv[1]) return "";
-        known += (known.empty() ? "" : ", ") + command->get_name();
+// Levenshtein's distance: the fewest letters to insert, remove or replace.
+size_t distance(std::string_view a, std::string_view b) {
+    std::vector<size_t> row(b.size() + 1);
+    std::iota(row.begin(), row.end(), size_t{0});
+    for (size_t i = 0; i < a.size(); ++i) {
+        size_t diagonal = std::exchange(row[0], i + 1);
+        for (size_t j = 0; j < b.size(); ++j) {
+            const size_t replaced = diagonal + (a[i] == b[j] ? 0 : 1);
+            diagonal = row[j + 1];
+            row[j + 1] = std::min({replaced, diagonal + 1, row[j] + 1});
+        }
     }
-    return "there is no command " + fracture::quoted(std::string_view(argv[1])) + "; the commands are: " + known;
+    return row.back();
+}
+
+// "; did you mean X?", where one of the names is like the given one.
+std::string suggestion(std::string_view given, std::span<const std::string> names) {
+    const std::string* best = nullptr;
+    size_t least = 1 + given.size() / 3;
+    for (const std::string& name : names)
+        if (const size_t far = distance(given, name); far <= least && (!best || far < least)) {
+            best = &name;
+            least = far;
+        }
+    return best ? "; did you mean " + *best + "?" : "";
+}
+
+// Refuses a first word that is neither an option nor a command, before CLI11 misses an argument of another one.
+const CLI::App* command_of(const CLI::App& app, std::span<const std::string> words) {
+    if (words.empty() || words[0].starts_with('-')) return nullptr;
+    std::string known;
+    std::vector<std::string> names{"help"};
+    for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
+        if (command->get_name() == words[0]) return command;
+        known += (known.empty() ? "" : ", ") + command->get_name();
+        names.push_back(command->get_name());
+    }
+    const std::string meant = suggestion(words[0], names);
+    throw Failure(exit_usage, "there is no command " + fracture::quoted(std::string_view(words[0]))
+                                  + (meant.empty() ? "; the commands are: " + known : meant));
+}
+
+// Refuses options that the command does not have.
+void check_options(const CLI::App& command, std::span<const std::string> words) {
+    std::vector<std::string> names;
+    for (const CLI::Option* option : command.get_options({}))
+        for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+    for (const std::string& word : words) {
+        if (word == "--") return;
+        const std::string name = word.substr(0, word.find('='));
+        if (!name.starts_with("--") || std::find(names.begin(), names.end(), name) != names.end()) continue;
+        const std::string meant = suggestion(name, names);
+        throw Failure(exit_usage,
+                      "brittle " + command.get_name() + " has no option " + fracture::quoted(std::string_view(name))
+                          + (meant.empty() ? "; brittle help " + command.get_name() + " lists them" : meant));
+    }
 }
 
 int run(int argc, char** argv) {
     CLI::App app(description, "brittle");
-    app.set_version_flag("--version", "brittle " BRITTLE_VERSION);
+    app.set_version_flag("-V,--version", "brittle " BRITTLE_VERSION);
     app.require_subcommand(1);
     app.footer(exit_codes_help);
     Run command;
     add_commands(app, command);
-    if (argc < 2) {
+    std::vector<std::string> words(argv + std::min(argc, 1), argv + argc);
+    if (words.empty()) {
         std::fputs(app.help().c_str(), stderr);
         return exit_usage;
     }
-    if (const std::string unknown = unknown_command(app, argc, argv); !unknown.empty())
-        throw Failure(exit_usage, unknown);
+    if (words[0] == "help") { // brittle help COMMAND is brittle COMMAND --help
+        words.erase(words.begin());
+        words.emplace_back("--help");
+    }
+    if (const CLI::App* chosen = command_of(app, words)) check_options(*chosen, std::span(words).subspan(1));
     try {
-        app.parse(argc, argv);
+        std::reverse(words.begin(), words.end()); // as CLI11 takes them
+        app.parse(words);
     } catch (const CLI::ParseError& e) {
         return app.exit(e) == 0 ? exit_success : exit_usage;
     }

@@ -47,6 +47,28 @@ TEST_CASE("a missing or unknown command and bad options are usage errors that na
     CHECK(folder.files() == 0);
 }
 
+TEST_CASE("a word that is nearly a command or an option is corrected, and help lists the options of a command") {
+    const Folder folder;
+    const auto refused = [&](const char* words, const char* message) {
+        const Outcome outcome = run_brittle(folder, words);
+        INFO(outcome.output);
+        CHECK(outcome.exit_code == 2);
+        CHECK(outcome.has(message));
+    };
+    refused("fractur shape:cube", "did you mean fracture?");
+    refused("fracture shape:cube --stes 4", "fracture has no option '--stes'; did you mean --sites?");
+    refused("render shape:cube --sead=3", "did you mean --seed?");
+    refused("fracture shape:cube --frobnicate", "brittle help fracture lists them");
+    refused("help fractur", "did you mean fracture?");
+    refused("fracture --", "--output is required"); // a mesh may be named anything behind --
+    const Outcome help = run_brittle(folder, "help fracture"), option = run_brittle(folder, "fracture --help");
+    CHECK(help.exit_code == 0);
+    CHECK(help.has("--sites"));
+    CHECK(help.output == option.output);
+    CHECK(run_brittle(folder, "help").output == run_brittle(folder, "--help").output);
+    CHECK(run_brittle(folder, "-V").output == run_brittle(folder, "--version").output);
+}
+
 TEST_CASE("--physics chooses the engine, overrides the recipe's and is saved in one") {
     const Folder folder;
     const std::string plain = "render shape:cube -n 2 --frames 3 --size 64x48 -o " + (folder / "a.png");
