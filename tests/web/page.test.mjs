@@ -17,7 +17,7 @@ const WAIT = { timeout: 60_000 };
 fs.mkdirSync(PICTURES, { recursive: true });
 const server = spawn("node", ["bindings/web/page/serve.mjs", "build/web", "build/web/page", "0"], { cwd: ROOT, stdio: ["ignore", "pipe", "inherit"] });
 const address = await new Promise((resolve) => server.stdout.once("data", (text) => resolve(String(text).trim())));
-const launch = (args) => chromium.launch({ executablePath: "/usr/bin/chromium", args: ["--no-sandbox", ...args] });
+const launch = (args) => chromium.launch({ executablePath: "/usr/bin/chromium", args: ["--no-sandbox", "--disable-dev-shm-usage", ...args] });
 const browser = await launch(WEBGL);
 test.after(async () => {
     await browser.close();
