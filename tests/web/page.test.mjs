@@ -171,6 +171,9 @@ test("a link breaks the same pieces in the same way, in the dark too", async () 
     const damaged = await visit("#model=vase&sites=many&material=stone&blows=1_2_x");
     assert.match(await text(damaged, "notice"), /damaged.*sites=many, blow 1/s);
     await damaged.leave();
+    const endless = await visit("#model=vase&blows=999999999_0_0.2_2_0_0_0_0_0_1");
+    assert.match(await text(endless, "notice"), /damaged.*blow 1/s);
+    await endless.leave();
 });
 
 /** A file as the visitor chooses it. */

@@ -145,6 +145,12 @@ test("geometries for three.js", async () => {
     assert.equal(new Mesh(...meshArrays(soup)).inspect().refusal, null);
 });
 
+test("a worker writes files", async () => {
+    const cube = await worker.shape("cube"), bytes = await worker.save(cube, { sites: 6 }, "cube.glb");
+    assert.deepEqual(bytes, (await fracture(await shape("cube"), { sites: 6 })).toBytes("cube.glb"));
+    await assert.rejects(worker.save(cube, {}, "cube.xyz"), { status: "unsupported_format" });
+});
+
 test("a mesh file gives the same pieces in a worker", async () => {
     const bytes = new TextEncoder().encode("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n");
     const [here, there] = [await load(bytes, ".obj"), await worker.load(bytes, ".obj")];

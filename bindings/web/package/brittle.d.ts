@@ -171,7 +171,9 @@ export class Fracture extends Pieces {
     dispose(): void;
 }
 
+/** Loads the library. The other functions do it when they are called; `new Mesh()` needs it. */
 export function init(): Promise<void>;
+
 export interface MaterialProperties {
     /** kg/m^3 */
     density: number;
@@ -192,13 +194,19 @@ export function materials(): Promise<Record<Material, MaterialProperties>>;
 /** Bytes of memory that the library holds. They grow as needed, and never shrink. */
 export function heapBytes(): number;
 export function version(): Promise<string>;
+
+/** Reads the bytes of a mesh file; `extension` names the format: ".glb", ".obj", ".stl", ".ply", ".off" or ".3ds". */
 export function load(bytes: ArrayBuffer | Uint8Array, extension: string): Promise<Mesh>;
+/** A procedural shape: "cube", "icosphere:4", "torus", "animal", "statue", ... */
 export function shape(name: string): Promise<Mesh>;
+
 export interface FractureControl {
     /** The completed share of the work, 0 to 1. */
     onProgress?: (share: number) => void;
-    /** Ends the work with its reason. The call blocks its thread: only onProgress can abort it, or a worker (see below). */
+    /** Ends the work with its reason. The call blocks its thread, so only onProgress can abort it. */
     signal?: AbortSignal;
+    /** Asked often; true ends the work with the status cancelled. It may read shared memory. */
+    isCancelled?: () => boolean;
 }
 
 /** Cuts a closed mesh into watertight pieces, on this thread. `brittle-fracture/worker` does it on another one. */

@@ -38,6 +38,8 @@ export class BrittleWorker {
          options?: { uv?: ArrayLike<number>; materials?: ArrayLike<number>; weld?: boolean }): Promise<RemoteMesh>;
     /** milliseconds: of the fracture itself, in the worker. */
     fracture(mesh: RemoteMesh, settings?: FractureSettings, control?: WorkerControl): Promise<Pieces & { milliseconds: number }>;
+    /** The pieces as a .glb, .obj, .ply or .stl file. The mesh is cut for it. */
+    save(mesh: RemoteMesh, settings?: FractureSettings, name?: string): Promise<Uint8Array>;
     /** Stops the worker; calls that wait for it fail. */
     dispose(): void;
 }

@@ -51,6 +51,8 @@ export class BrittleWorker {
         }
     }
 
+    async save(mesh, settings = {}, name = "pieces.glb") { return this.call("save", { of: mesh, settings, name }); }
+
     /** Stops the worker; calls that wait for it fail. */
     dispose() {
         this.#disposed = true;
@@ -85,9 +87,14 @@ export class BrittleWorker {
     }
 
     async forget(mesh) {
-        const worker = this.#worker && await this.#worker;
-        if (worker && mesh.worker === worker) await this.#send(worker, { work: "dispose", of: mesh.id });
         mesh.origin = null;
+        const worker = this.#worker && await this.#worker;
+        if (!worker || mesh.worker !== worker) return;
+        try {
+            await this.#send(worker, { work: "dispose", of: mesh.id });
+        } catch (error) {
+            if (error !== RESTARTED) throw error; // the mesh went with the old worker
+        }
     }
 
     async #ensure(mesh, worker) {
@@ -144,6 +151,8 @@ export class BrittleWorker {
         if (!waiting) return;
         if (share !== undefined) return waiting.onProgress?.(share);
         this.#waiting.delete(call);
+        // After a trap the memory of the library is not to be trusted.
+        if (error?.trapped) this.#restart(RESTARTED);
         if (error) waiting.reject(new BrittleError(error.status, error.message));
         else waiting.resolve(value);
     }

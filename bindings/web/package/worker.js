@@ -58,7 +58,8 @@ const answer = (message) => {
             const [value, buffers = []] = await WORK[message.work](message) ?? [];
             port.postMessage({ call: message.call, value }, buffers);
         } catch (error) {
-            port.postMessage({ call: message.call, error: { status: error.status ?? "internal_error", message: error.message } });
+            const { status = "internal_error", message: text } = error, trapped = error instanceof WebAssembly.RuntimeError;
+            port.postMessage({ call: message.call, error: { status, message: text, trapped } });
         }
     });
 };

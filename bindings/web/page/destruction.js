@@ -172,7 +172,6 @@ export class Destruction {
                 const focused = settings.local ? { ...settings.local(blow), focus } : {};
                 const { local, ...rest } = settings;
                 const cut = { ...rest, ...focused, sites: count, seed: settings.seed + piece.id };
-                this.cut = cut;
                 const mesh = piece.id === 0 ? this.#mesh : await this.#worker.mesh(piece.positions, piece.triangles,
                     { materials: Uint32Array.from(piece.cuts) });
                 try {

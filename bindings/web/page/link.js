@@ -4,6 +4,7 @@
 export const DEFAULTS = { model: "statue", material: "stone", sites: 100, roughness: 0.8, seed: 1, radius: 0.18 };
 
 const MOST_BLOWS = 40;
+const MOST_STEPS = 36_000; // ten minutes
 const fixed = (x, digits) => String(Math.round(x * 10 ** digits) / 10 ** digits);
 
 /** What a link can hold of a blow. Blows are rounded to this before they strike, so that the link gives the same bits. */
@@ -40,12 +41,14 @@ export function read(hash) {
     const blows = [];
     for (const text of (link.get("blows") ?? "").split("*").filter(Boolean)) {
         const values = text.split("_").map(Number);
-        if (values.length !== 10 || !values.every(Number.isFinite) || blows.length === MOST_BLOWS
-            || !Number.isInteger(values[0]) || !Number.isInteger(values[1]) || values[0] < (blows.at(-1)?.step ?? 0)) {
+        const [step, piece, radius, speed, ...rest] = values;
+        const sound = values.length === 10 && Number.isInteger(step) && step >= (blows.at(-1)?.step ?? 0) && step <= MOST_STEPS
+            && Number.isInteger(piece) && radius > 0 && radius <= 2 && speed >= 0 && speed <= 20
+            && rest.every((x) => Math.abs(x) <= 2);
+        if (!sound || blows.length === MOST_BLOWS) {
             faults.push(`blow ${blows.length + 1}`);
             break;
         }
-        const [step, piece, radius, speed, ...rest] = values;
         blows.push({ step, piece, radius, speed, at: rest.slice(0, 3), along: rest.slice(3) });
     }
     return { settings, blows, hash: link.get("hash"), faults };

@@ -225,12 +225,6 @@ export class View {
         return [caster.ray.origin.toArray(), caster.ray.direction.toArray()];
     }
 
-    look(position, target) {
-        this.#camera.position.set(...position);
-        this.controls.target.set(...target);
-        this.controls.update();
-    }
-
     turn(degrees, up = 0, zoom = 1) {
         const offset = this.#camera.position.clone().sub(this.controls.target).multiplyScalar(zoom);
         offset.applyQuaternion(new Quaternion().setFromAxisAngle(new Vector3(0, 1, 0), degrees * Math.PI / 180));
