@@ -12,8 +12,8 @@
 // - All are multiplied by contact_strength_share() of the area: the crack of a hard contact weakens brittle materials.
 // Health is the remaining share of strength: 1 intact, 0 broken. A broken bond never heals.
 //
-// Breaking a bond costs its area times its Material::fracture_energy of the blow's energy, and a blow breaks only what its
-// energy pays for: glass shatters where wood, which is weaker, holds.
+// Breaking a bond costs its area times its Material::fracture_energy of the blow's energy, and a blow breaks only what
+// its energy pays for: glass shatters where wood, which is weaker, holds.
 //
 // Coordinates are those of the fragments; SI units. No bodies and no time: structure.h adds them. Deterministic. Not
 // thread-safe.

@@ -198,8 +198,8 @@ void Structure::make_forms(uint32_t threads) {
     const auto count = static_cast<uint32_t>(pieces_.size());
     fracture::Threads(threads).for_chunks(count, min_forms, [&](uint32_t, uint32_t begin, uint32_t end) {
         for (PieceState& piece : std::span(pieces_).subspan(begin, end - begin)) {
-            BodyDesc alone;
             if (piece.parts.empty()) continue;
+            BodyDesc alone;
             alone.parts = piece.parts;
             alone.mass = static_cast<float>(piece.mass);
             alone.inertia = glm::mat3(piece.inertia);

@@ -91,7 +91,8 @@ struct StructureDesc {
 class Structure {
   public:
     // Adds one body per island of the bond graph. Fails as add_pieces() does, and with invalid_setting on an anchored
-    // piece or a support that does not exist, on a wrong number of entries in a list, and on an invalid strength. On failure the world is unchanged.
+    // piece or a support that does not exist, on a wrong number of entries in a list, and on an invalid strength. On
+    // failure the world is unchanged.
     static Result<Structure> create(World& world, const fracture::Fragments& fragments, const StructureDesc& desc = {});
 
     // The following functions damage bonds or anchors; bodies split in the next update().

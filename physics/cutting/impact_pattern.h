@@ -64,8 +64,8 @@ struct Damage {
 // for a radius or volume that is not positive and finite.
 [[nodiscard]] double energy_of(double radius, const Material& material, double volume, uint32_t max_pieces);
 
-// Energy, J, of the weakest blow that does damage, among blows of the same striker at other speeds: the force grows as the
-// speed, the energy as its square. `bounce`: share of the energy that the striker keeps where the solid bears the blow.
+// Energy, J, of the weakest blow that does damage, among blows of the same striker at other speeds: the force grows as
+// the speed, the energy as its square. `bounce`: share of the energy that the striker keeps where the solid bears the blow.
 // Infinite where not even a thousand times the speed suffices.
 [[nodiscard]] double breaking_energy(const Blow& blow, double bounce, const Material& material, double volume,
                                      const DamageLimits& limits);

@@ -22,7 +22,7 @@ namespace brittle::physics {
 // The most threads of one loop where the number is 0: more would wait for the rest of the job.
 inline constexpr uint32_t max_job_threads = 4;
 // The least items of a thread.
-inline constexpr size_t min_items = 4;
+inline constexpr size_t min_job_items = 4;
 
 // Returns the number of threads that a setting asks for; 0 asks for one a core.
 [[nodiscard]] inline uint32_t threads_of(uint32_t setting) {
@@ -47,7 +47,7 @@ void for_each_on(uint32_t threads, size_t count, Body&& body) {
     };
     {
         std::vector<std::jthread> others;
-        const size_t wanted = std::min<size_t>(threads, count / min_items);
+        const size_t wanted = std::min<size_t>(threads, count / min_job_items);
         try {
             while (others.size() + 1 < wanted) others.emplace_back(work);
         } catch (const std::system_error&) { // the threads that run take over its items

@@ -5,8 +5,7 @@
 // the sites that stay; cells that a lost cell does not separate share a hull. So hulls lie inside those before, and
 // outside the cells of the pieces that left; they overlap neither. Parts without any of the solid in them are dropped.
 //
-// Metres; coordinates of the object. Pure function; equal input gives equal parts with any number of
-// threads.
+// Metres; coordinates of the object. Pure function; equal input gives equal parts with any number of threads.
 #pragma once
 
 #include <cstdint>

@@ -24,11 +24,16 @@ using namespace brittle::fracture;
 
 namespace {
 
+// 0, 1, ... by triangle.
+std::vector<uint32_t> numbers(const TriangleMesh& mesh) {
+    std::vector<uint32_t> all(mesh.triangles.size());
+    std::iota(all.begin(), all.end(), 0u);
+    return all;
+}
+
 ClusterMesh clusters_of(const TriangleMesh& mesh, uint32_t thread_count = 1) {
-    std::vector<uint32_t> tags(mesh.triangles.size());
-    std::iota(tags.begin(), tags.end(), 0u);
     Threads threads(thread_count);
-    return {mesh, tags, threads};
+    return {mesh, numbers(mesh), threads};
 }
 
 std::vector<TriangleMesh> shapes() {
@@ -196,9 +201,7 @@ TEST_CASE("cluster queries: inside, nearest point, hits and extents agree with t
     for (const TriangleMesh& mesh : shapes()) {
         const ClusterMesh clusters = clusters_of(mesh);
         const Box box = bounds(mesh);
-        std::vector<uint32_t> all(mesh.triangles.size());
-        std::iota(all.begin(), all.end(), 0u);
-        const TriangleTree tree(mesh, all);
+        const TriangleTree tree(mesh, numbers(mesh));
         for (int k = 0; k < 60; ++k) {
             const glm::dvec3 p = place_near(box, random), q = place_near(box, random);
             CHECK(is_inside(clusters, p) == (winding_number(p, mesh.positions, mesh.triangles) > 0.5));
@@ -225,9 +228,7 @@ TEST_CASE("cluster queries: segments along axes, through vertices and without le
     for (const TriangleMesh& mesh : shapes()) {
         const ClusterMesh clusters = clusters_of(mesh);
         const Box box = bounds(mesh);
-        std::vector<uint32_t> all(mesh.triangles.size());
-        std::iota(all.begin(), all.end(), 0u);
-        const TriangleTree tree(mesh, all);
+        const TriangleTree tree(mesh, numbers(mesh));
         for (int k = 0; k < 60; ++k) {
             glm::dvec3 p = place_near(box, random);
             const int axis = k % 3;
