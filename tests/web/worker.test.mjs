@@ -145,6 +145,15 @@ test("geometries for three.js", async () => {
     assert.equal(new Mesh(...meshArrays(soup)).inspect().refusal, null);
 });
 
+test("reading a file is cancelled, and the worker goes on with other meshes", async () => {
+    const cube = await worker.shape("cube"), expected = (await worker.fracture(cube, { sites: 5 })).hash;
+    const lines = Array.from({ length: 300_000 }, (_, k) => `v ${k} 0 0\n`).join("");
+    const control = new AbortController(), reading = worker.load(new TextEncoder().encode(lines), ".obj", { signal: control.signal });
+    setTimeout(() => control.abort(), 10);
+    await assert.rejects(reading, { name: "AbortError" });
+    assert.equal((await worker.fracture(cube, { sites: 5 })).hash, expected);
+});
+
 test("a worker writes files", async () => {
     const cube = await worker.shape("cube"), bytes = await worker.save(cube, { sites: 6 }, "cube.glb");
     assert.deepEqual(bytes, (await fracture(await shape("cube"), { sites: 6 })).toBytes("cube.glb"));

@@ -13,8 +13,8 @@ import type { FractureSettings, Inspection, Material, MaterialProperties, Pieces
 export interface RemoteMesh {
     inspect(): Promise<Inspection>;
     arrays(): Promise<{ positions: Float64Array; triangles: Uint32Array }>;
-    repair(): Promise<RemoteMesh>;
-    unite(): Promise<RemoteMesh>;
+    repair(control?: { signal?: AbortSignal }): Promise<RemoteMesh>;
+    unite(control?: { signal?: AbortSignal }): Promise<RemoteMesh>;
     dispose(): Promise<void>;
 }
 
@@ -31,7 +31,7 @@ export interface WorkerControl {
 
 export class BrittleWorker {
     /** The bytes must not change afterwards. */
-    load(bytes: ArrayBuffer | Uint8Array, extension: string): Promise<RemoteMesh>;
+    load(bytes: ArrayBuffer | Uint8Array, extension: string, control?: { signal?: AbortSignal }): Promise<RemoteMesh>;
     shape(name: string): Promise<RemoteMesh>;
     materials(): Promise<Record<Material, MaterialProperties>>;
     mesh(positions: ArrayLike<number>, triangles: ArrayLike<number>,

@@ -15,8 +15,8 @@ class RemoteMesh {
     }
     inspect() { return this.#client.call("inspect", { of: this }); }
     arrays() { return this.#client.call("mesh", { of: this }); }
-    repair() { return this.#client.make({ work: "repair", of: this }); }
-    unite() { return this.#client.make({ work: "unite", of: this }); }
+    repair({ signal } = {}) { return this.#client.make({ work: "repair", of: this }, signal); }
+    unite({ signal } = {}) { return this.#client.make({ work: "unite", of: this }, signal); }
     dispose() { return this.#client.forget(this); }
 }
 
@@ -27,28 +27,19 @@ export class BrittleWorker {
     #waiting = new Map();
     #disposed = false;
 
-    load(bytes, extension) { return this.make({ work: "load", bytes: new Uint8Array(bytes), extension }); }
+    load(bytes, extension, { signal } = {}) {
+        return this.make({ work: "load", bytes: new Uint8Array(bytes), extension }, signal);
+    }
     shape(name) { return this.make({ work: "shape", name }); }
     materials() { return this.call("materials", {}); }
     mesh(positions, triangles, options = {}) { return this.make({ work: "arrays", positions, triangles, options }); }
 
     async fracture(mesh, settings = {}, { signal, onProgress, surfaces = true, hulls = null } = {}) {
-        signal?.throwIfAborted();
         const flag = globalThis.crossOriginIsolated || !globalThis.window && typeof SharedArrayBuffer === "function"
             ? new Int32Array(new SharedArrayBuffer(4)) : null;
-        // Without shared memory a busy worker cannot be told; a new one takes its place.
-        const cancel = () => flag ? Atomics.store(flag, 0, 1) : this.#restart(RESTARTED);
-        signal?.addEventListener("abort", cancel, { once: true });
-        try {
-            const values = { of: mesh, settings, want: { surfaces, hulls }, flag };
-            const data = await this.call("fracture", values, { onProgress, signal });
-            return Object.assign(new Pieces(data), { milliseconds: data.milliseconds });
-        } catch (error) {
-            signal?.throwIfAborted();
-            throw error;
-        } finally {
-            signal?.removeEventListener("abort", cancel);
-        }
+        const values = { of: mesh, settings, want: { surfaces, hulls }, flag };
+        const data = await this.#abortable(signal, flag, () => this.call("fracture", values, { onProgress, signal }));
+        return Object.assign(new Pieces(data), { milliseconds: data.milliseconds });
     }
 
     async save(mesh, settings = {}, name = "pieces.glb") { return this.call("save", { of: mesh, settings, name }); }
@@ -61,16 +52,18 @@ export class BrittleWorker {
 
     // What follows is for RemoteMesh.
 
-    async make(origin) {
+    async make(origin, signal) {
         const mesh = new RemoteMesh(this, origin);
-        for (;;) {
-            try {
-                await this.#ensure(mesh, await this.#start());
-                return mesh;
-            } catch (error) {
-                if (error !== RESTARTED) throw error;
+        return this.#abortable(signal, null, async () => {
+            for (;;) {
+                try {
+                    await this.#ensure(mesh, await this.#start());
+                    return mesh;
+                } catch (error) {
+                    if (error !== RESTARTED || signal?.aborted) throw error;
+                }
             }
-        }
+        });
     }
 
     async call(work, values, { onProgress, signal } = {}) {
@@ -94,6 +87,21 @@ export class BrittleWorker {
             await this.#send(worker, { work: "dispose", of: mesh.id });
         } catch (error) {
             if (error !== RESTARTED) throw error; // the mesh went with the old worker
+        }
+    }
+
+    /** Ends what a signal aborts: by the flag in shared memory, or else a new worker takes the place of the busy one. */
+    async #abortable(signal, flag, run) {
+        signal?.throwIfAborted();
+        const cancel = () => flag ? Atomics.store(flag, 0, 1) : this.#restart(RESTARTED);
+        signal?.addEventListener("abort", cancel, { once: true });
+        try {
+            return await run();
+        } catch (error) {
+            signal?.throwIfAborted();
+            throw error;
+        } finally {
+            signal?.removeEventListener("abort", cancel);
         }
     }
 

@@ -79,12 +79,12 @@ const until = (signal, promise) => Promise.race([promise, new Promise((_, refuse
 async function open(name, read) {
     let followUp = null;
     const done = await working(`Opening ${name}`, async (signal) => {
-        const mesh = await until(signal, read());
+        const mesh = await until(signal, read(signal));
         const found = verdict(await until(signal, mesh.inspect()));
         if (found) {
             const run = () => {
                 notice(null);
-                open(name, () => mesh[found.mend]());
+                open(name, (stop) => mesh[found.mend]({ signal: stop }));
             };
             followUp = { text: `${name}: ${found.text}`, mend: found.mend && { label: found.label, run } };
             if (!found.optional) return;
@@ -203,7 +203,7 @@ function pressGallery() {
 for (const { name, label } of GALLERY) {
     const button = Object.assign(document.createElement("button"), { type: "button", textContent: label });
     button.dataset.name = name;
-    button.onclick = () => open(name, () => openGallery(worker, name, document.baseURI));
+    button.onclick = () => open(name, (signal) => openGallery(worker, name, document.baseURI, signal));
     $("gallery").append(button);
 }
 for (const [value, { label }] of Object.entries(MATERIALS)) $("material").append(new Option(label, value));
@@ -279,7 +279,7 @@ $("fold").onclick = () => {
 };
 $("file").onchange = () => {
     const [file] = $("file").files;
-    if (file) open(file.name, () => openFile(worker, file));
+    if (file) open(file.name, (signal) => openFile(worker, file, signal));
     $("file").value = "";
 };
 
@@ -373,7 +373,7 @@ addEventListener("drop", (event) => {
     $("drop").hidden = true;
     const file = [...event.dataTransfer.files].find(({ name }) => EXTENSIONS.some((end) => name.toLowerCase().endsWith(end)))
         ?? event.dataTransfer.files[0];
-    if (file) open(file.name, () => openFile(worker, file));
+    if (file) open(file.name, (signal) => openFile(worker, file, signal));
 });
 
 /* ---- Frames ------------------------------------------------------------------------------------------------------ */
@@ -433,7 +433,7 @@ async function start() {
     const model = settings.model;
     const known = GALLERY.some(({ name }) => name === model);
     if (!known) settings.model = DEFAULTS.model;
-    await open(settings.model, () => openGallery(worker, settings.model, document.baseURI));
+    await open(settings.model, (signal) => openGallery(worker, settings.model, document.baseURI, signal));
     if (!known) {
         awaited = model;
         notice(`The link is for ${model}, a file of whoever sent it. Drop that file here, and it breaks as it did there.`);

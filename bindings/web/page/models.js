@@ -18,24 +18,24 @@ export const EXTENSIONS = [".glb", ".gltf", ".obj", ".stl", ".ply", ".off", ".3d
 const MOST_BYTES = 1.5e9;
 
 /** A mesh of the worker, for a name of the gallery. */
-export async function openGallery(worker, name, base) {
+export async function openGallery(worker, name, base, signal) {
     const entry = GALLERY.find((one) => one.name === name);
     if (!entry) throw new Error(`there is no model ${name} in the gallery; drop the file onto the page`);
     if (!entry.file) return worker.shape(name);
-    const response = await fetch(new URL(entry.file, base));
+    const response = await fetch(new URL(entry.file, base), { signal });
     if (!response.ok) throw new Error(`${entry.file} did not come: ${response.status} ${response.statusText}`);
-    const mesh = await worker.load(await response.arrayBuffer(), entry.file.slice(entry.file.lastIndexOf(".")));
-    return entry.repair ? mesh.repair() : mesh;
+    const mesh = await worker.load(await response.arrayBuffer(), entry.file.slice(entry.file.lastIndexOf(".")), { signal });
+    return entry.repair ? mesh.repair({ signal }) : mesh;
 }
 
 /** A mesh of the worker, of a file that was dropped or chosen. */
-export async function openFile(worker, file) {
+export async function openFile(worker, file, signal) {
     const extension = file.name.slice(file.name.lastIndexOf(".")).toLowerCase();
     if (!file.name.includes(".") || !EXTENSIONS.includes(extension))
         throw new Error(`${file.name} is no mesh that this page reads; it reads ${EXTENSIONS.join(", ")}`);
     if (file.size > MOST_BYTES)
         throw new Error(`${file.name} has ${(file.size / 1e9).toFixed(1)} GB; a page can read ${MOST_BYTES / 1e9} GB`);
-    return worker.load(await file.arrayBuffer(), extension);
+    return worker.load(await file.arrayBuffer(), extension, { signal });
 }
 
 /** What the visitor should know of a mesh: the fault, and the call that mends it; null where there is nothing. */
