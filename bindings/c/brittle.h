@@ -361,9 +361,10 @@ typedef struct brittle_export_settings {
     uint32_t struct_size;
     uint32_t per_piece;    /* 1: a file a piece, NAME_000.glb, ... */
     const char* name;      /* of the root node, and the start of each piece's name; NULL: "mesh" */
-    uint32_t hulls;        /* GLB: collision hulls under the names of 0 no engine, 1 Godot, 2 Unreal */
-    uint32_t rigid_bodies; /* GLB: 1 for KHR_physics_rigid_bodies, a draft; wants hulls */
+    uint32_t hulls;        /* GLB: names by which 0 no engine, 1 Godot, 2 Unreal makes bodies of the pieces */
+    uint32_t rigid_bodies; /* GLB: 1 for masses and hulls with KHR_physics_rigid_bodies, a draft */
     double density;        /* kg/m^3, for rigid_bodies */
+    uint32_t hull_parts;   /* hulls of one piece at most, 1 to 256, for Unreal and rigid_bodies */
 } brittle_export_settings;
 BRITTLE_API void brittle_export_settings_init(brittle_export_settings* settings, size_t struct_size);
 /* Writes .glb, .obj, .ply or .stl. The materials and textures of the mesh carry over. `settings` NULL: defaults. */

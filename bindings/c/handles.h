@@ -206,7 +206,4 @@ brittle_array view(const std::vector<E>& elements) {
 
 [[noreturn]] void refuse_which(uint32_t which, uint32_t last);
 
-// The convex hulls of each piece as meshes in the coordinates of the pieces, for export.
-[[nodiscard]] std::vector<std::vector<fracture::TriangleMesh>> hull_meshes(const fracture::Fragments& fragments);
-
 } // namespace brittle::c

@@ -2,6 +2,7 @@
 #include "bindings/c/handles.h"
 #include "fracture/io/piece_surface.h"
 #include "physics/cutting/convex_parts.h"
+#include "physics/cutting/hull_meshes.h"
 #include "physics/world/hull.h"
 
 using namespace brittle;
@@ -25,9 +26,6 @@ namespace brittle::c {
 
 namespace {
 
-// Engines add collision margins of their own, so exported hulls are hardly shrunk.
-constexpr float export_margin = 0.001f;
-
 void add_hull(const physics::CollisionHull& hull, const glm::vec3& offset, uint32_t piece, brittle_hulls& out) {
     const auto begin = static_cast<uint32_t>(out.points.size());
     for (const glm::vec3& point : hull.points) out.points.push_back(point + offset);
@@ -40,6 +38,7 @@ brittle_export_settings export_defaults() {
     brittle_export_settings settings{};
     settings.struct_size = sizeof settings;
     settings.density = fracture::ExportOptions{}.density;
+    settings.hull_parts = physics::HullMeshSettings{}.max_parts;
     return settings;
 }
 
@@ -58,11 +57,16 @@ struct Export {
         options.sites = pieces.sites;
         options.rough = pieces.rough;
         options.per_piece = given.per_piece != 0;
-        options.hull_names = given.hulls == 2 ? fracture::HullNames::unreal : fracture::HullNames::godot;
+        constexpr fracture::BodyNames names[] = {fracture::BodyNames::none, fracture::BodyNames::godot,
+                                                 fracture::BodyNames::unreal};
+        options.body_names = names[given.hulls];
         options.rigid_bodies = given.rigid_bodies != 0;
         options.density = in_range(given.density, 1e-30, 1e30, "settings.density");
-        if (given.hulls != 0 || options.rigid_bodies) {
-            hulls = hull_meshes(pieces.fragments);
+        if (given.hull_parts < 1 || given.hull_parts > 256)
+            refuse("settings.hull_parts is " + std::to_string(given.hull_parts) + "; it must be 1 to 256",
+                   BRITTLE_INVALID_SETTING);
+        if (options.body_names == fracture::BodyNames::unreal || options.rigid_bodies) {
+            hulls = physics::hull_meshes(pieces.fragments, {.max_parts = given.hull_parts});
             options.hulls = hulls;
         }
     }
@@ -84,21 +88,6 @@ const brittle_surface::Part& part_at(const brittle_surface& surface, uint64_t pa
 }
 
 } // namespace
-
-std::vector<std::vector<fracture::TriangleMesh>> hull_meshes(const fracture::Fragments& fragments) {
-    const std::vector<std::vector<physics::HullPlane>> planes = physics::contact_planes(fragments);
-    std::vector<std::vector<fracture::TriangleMesh>> hulls;
-    for (size_t p = 0; p < fragments.pieces.size(); ++p) {
-        const fracture::Piece& piece = fragments.pieces[p];
-        const physics::CollisionHull hull =
-            physics::collision_hull(fragments.positions_of(piece), piece.mass.centre_of_mass,
-                                    {.margin_fraction = export_margin, .planes = planes[p]});
-        fracture::TriangleMesh mesh = physics::hull_mesh(hull.points);
-        for (glm::dvec3& point : mesh.positions) point += piece.mass.centre_of_mass;
-        hulls.push_back({std::move(mesh)});
-    }
-    return hulls;
-}
 
 } // namespace brittle::c
 

@@ -225,6 +225,7 @@ public static unsafe class Brittle
         public uint hulls;
         public uint rigid_bodies;
         public double density;
+        public uint hull_parts;
     }
 
     /// <summary>Handbook values of a material, and how it breaks and looks.</summary>

@@ -250,6 +250,7 @@ pub struct brittle_export_settings {
     pub hulls: u32,
     pub rigid_bodies: u32,
     pub density: f64,
+    pub hull_parts: u32,
 }
 
 /// Handbook values of a material, and how it breaks and looks.

@@ -39,10 +39,13 @@
 
 namespace brittle::fracture {
 
-// The naming scheme of collision hulls, by which an engine recognises them.
-enum class HullNames {
-    godot, // NAME-convcolonly, a convex shape that is not drawn; several hulls: NAME_00-convcolonly, ...
-    unreal // UCX_NAME_00; several hulls: UCX_NAME_00, UCX_NAME_01, ...
+// The names in a GLB file by which an engine makes bodies of the pieces.
+enum class BodyNames {
+    none,
+    // The node NAME-rigid: Godot 3 and 4 make a rigid body of it, with convex shapes of the drawn mesh. If fixed,
+    // NAME-col: a static body with the drawn mesh.
+    godot,
+    unreal // a child UCX_NAME_00 with the mesh of a hull; several hulls: UCX_NAME_00, UCX_NAME_01, ...
 };
 
 // The pose of a piece: its rotation about the centre of mass, and the position of its centre of mass.
@@ -68,12 +71,13 @@ struct ExportOptions {
     bool per_piece = false;                // one file per piece: NAME.glb becomes NAME_000.glb, NAME_001.glb, ...
 
     // The remaining options are for GLB only.
-    std::span<const std::vector<TriangleMesh>>
-        hulls{}; // convex hulls of each piece, in piece coordinates; may be empty
-    HullNames hull_names = HullNames::godot;
-    // Also writes mass, inertia and hull with the extension KHR_physics_rigid_bodies. The extension is a draft and may
-    // change: this is its state of 2024, Khronos pull request 2424, where the geometry of a collider refers to a mesh
-    // through a node. Colliders need hulls.
+    BodyNames body_names = BodyNames::none;
+    bool fixed = false; // the bodies of the pieces never move, and collide with the drawn mesh: hulls are not written
+    // Convex hulls of each piece, in piece coordinates, for unreal and rigid_bodies; may be empty.
+    std::span<const std::vector<TriangleMesh>> hulls{};
+    // Also writes mass, inertia and hulls with the extension KHR_physics_rigid_bodies. The extension is a draft and may
+    // change: this is its state of June 2026, Khronos pull request 2424, where the geometry of a collider refers to a
+    // mesh. Colliders need hulls; their meshes are not drawn.
     bool rigid_bodies = false;
     double density = 1000.0; // kg/m^3, for rigid_bodies; all other values are at density 1
 };

@@ -1,6 +1,7 @@
 #include "fracture/io/import.h"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
 #include <cstdio>
@@ -126,19 +127,37 @@ Result<Model> import_file(const std::filesystem::path& file, bool with_attribute
     return read_and_weld(file.string(), extension, *bytes, companions);
 }
 
-// Welds the meshes and leaves out the nodes of those without triangles.
+// Returns whether an engine takes the node as a collision shape, by its name: Unreal by the start, Godot by the end.
+bool is_collision_shape(const std::string& name) {
+    const auto starts = [&](const char* start) { return name.starts_with(start); };
+    const auto ends = [&](const char* end) { return name.ends_with(end); };
+    return std::ranges::any_of(std::array{"UCX_", "UBX_", "UCP_", "USP_"}, starts)
+           || std::ranges::any_of(std::array{"-colonly", "-convcolonly"}, ends);
+}
+
+// Welds the meshes, and leaves out the nodes of those without triangles and collision shapes.
 Result<MeshScene> weld_scene(RawScene raw) {
     MeshScene scene;
+    const size_t all = raw.nodes.size();
+    std::erase_if(raw.nodes, [](const SceneNode& node) { return is_collision_shape(node.name); });
+    if (const size_t shapes = all - raw.nodes.size(); shapes > 0)
+        add_note(scene.notes, std::to_string(shapes)
+                                  + (shapes == 1 ? " node that is a collision shape by its name is left out"
+                                                 : " nodes that are collision shapes by their names are left out"));
+    std::vector<bool> shown(raw.meshes.size());
+    for (const SceneNode& node : raw.nodes) shown[node.mesh] = true;
     constexpr uint32_t left_out = ~0u;
-    std::vector<uint32_t> number; // of each raw mesh in the scene
+    std::vector<uint32_t> number(raw.meshes.size(), left_out); // of each raw mesh in the scene
     for (size_t m = 0; m < raw.meshes.size(); ++m) {
+        if (!shown[m]) continue;
         SceneMesh& mesh = raw.meshes[m];
         if (const Result<void> finite = check_finite(mesh.mesh); !finite)
             return named("mesh " + fracture::quoted(mesh.name), finite.error());
         std::vector<uint32_t> kept;
         mesh.mesh = weld_surface(mesh.mesh, raw.points[m], kept);
-        number.push_back(mesh.mesh.triangles.empty() ? left_out : static_cast<uint32_t>(scene.meshes.size()));
-        if (number[m] != left_out) scene.meshes.push_back(std::move(mesh));
+        if (mesh.mesh.triangles.empty()) continue;
+        number[m] = static_cast<uint32_t>(scene.meshes.size());
+        scene.meshes.push_back(std::move(mesh));
     }
     for (SceneNode& node : raw.nodes) {
         if (number[node.mesh] == left_out) {

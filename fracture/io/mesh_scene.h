@@ -36,7 +36,8 @@ struct SceneNode {
 struct MeshScene {
     std::vector<SceneNode> nodes{};  // depth first, in the order of the file
     std::vector<SceneMesh> meshes{}; // by their first nodes; each is the mesh of a node
-    // Sentences for a reader about nodes that were left out, because their meshes have no triangles.
+    // Sentences for a reader about nodes that were left out: their meshes have no triangles, or by their names they are
+    // collision shapes for Unreal (UCX_ ...) or Godot (... -convcolonly).
     std::vector<std::string> notes{};
 };
 

@@ -194,7 +194,7 @@ class GlbWriter {
             if (!primitive) return primitive.error();
             primitives.push_back(std::move(*primitive));
         }
-        Json node = {{"name", name}};
+        Json node = {{"name", name + body_suffix()}};
         place(node, p, origin);
         if (!primitives.empty()) {
             node["mesh"] = meshes_.size();
@@ -236,36 +236,52 @@ class GlbWriter {
         node["rotation"] = {turn.x, turn.y, turn.z, turn.w};
     }
 
+    [[nodiscard]] const char* body_suffix() const {
+        if (job_->options.body_names != BodyNames::godot) return "";
+        return job_->options.fixed ? "-col" : "-rigid";
+    }
+
     // A single hull is the collider of its piece; several hulls are colliders of their own nodes.
     Result<void> add_hulls(Json& node, uint32_t p, const glm::dvec3& origin, const std::string& name) {
-        std::vector<const TriangleMesh*> hulls;
-        if (!job_->options.hulls.empty())
-            for (const TriangleMesh& hull : job_->options.hulls[p])
-                if (!hull.triangles.empty()) hulls.push_back(&hull);
-        const bool alone = hulls.size() == 1;
-        if (job_->options.rigid_bodies)
-            node["extensions"][rigid_body_extension] =
-                rigid_body_json(job_->fragments.pieces[p].mass, job_->options.density,
-                                alone ? std::optional(nodes_.size()) : std::nullopt);
-        for (size_t k = 0; k < hulls.size(); ++k) {
-            Result<Json> hull = hull_node(*hulls[k], origin, hull_name(name, k, alone));
-            if (!hull) return hull.error();
-            if (job_->options.rigid_bodies && !alone)
-                (*hull)["extensions"][rigid_body_extension] = collider_json(nodes_.size());
-            node["children"].push_back(nodes_.size());
-            nodes_.add(*hull);
+        const ExportOptions& options = job_->options;
+        if (options.fixed) {
+            if (options.rigid_bodies && node.contains("mesh"))
+                node["extensions"][rigid_body_extension] = surface_collider_json(node["mesh"]);
+            return {};
+        }
+        const bool drawn = options.body_names == BodyNames::unreal; // as the mesh of a node
+        std::vector<size_t> meshes;
+        if (!options.hulls.empty() && (drawn || options.rigid_bodies)) {
+            for (const TriangleMesh& hull : options.hulls[p]) {
+                if (hull.triangles.empty()) continue;
+                const Result<size_t> mesh = add_hull_mesh(hull, origin, hull_name(name, meshes.size()));
+                if (!mesh) return mesh.error();
+                meshes.push_back(*mesh);
+            }
+        }
+        const bool alone = meshes.size() == 1;
+        if (options.rigid_bodies)
+            node["extensions"][rigid_body_extension] = rigid_body_json(
+                job_->fragments.pieces[p].mass, options.density, alone ? std::optional(meshes.front()) : std::nullopt);
+        const bool collides = options.rigid_bodies && !alone; // as a node
+        if (!drawn && !collides) return {};
+        for (size_t k = 0; k < meshes.size(); ++k) {
+            Json hull = {{"name", hull_name(name, k)}};
+            if (drawn) hull["mesh"] = meshes[k];
+            if (collides) hull["extensions"][rigid_body_extension] = collider_json(meshes[k]);
+            node["children"].push_back(nodes_.add(hull));
         }
         return {};
     }
 
-    [[nodiscard]] std::string hull_name(const std::string& piece, size_t hull, bool alone) const {
+    [[nodiscard]] std::string hull_name(const std::string& piece, size_t hull) const {
         char number[24];
         std::snprintf(number, sizeof number, "_%02zu", hull);
-        if (job_->options.hull_names == HullNames::unreal) return "UCX_" + piece + number;
-        return piece + (alone ? "" : number) + "-convcolonly";
+        return job_->options.body_names == BodyNames::unreal ? "UCX_" + piece + number : piece + "_hull" + number;
     }
 
-    Result<Json> hull_node(const TriangleMesh& hull, const glm::dvec3& origin, const std::string& name) {
+    // Returns the number of the mesh.
+    Result<size_t> add_hull_mesh(const TriangleMesh& hull, const glm::dvec3& origin, const std::string& name) {
         std::vector<glm::vec3> positions;
         for (const glm::dvec3& p : hull.positions) positions.emplace_back(p - origin);
         std::vector<uint32_t> indices;
@@ -274,9 +290,7 @@ class GlbWriter {
         Result<Json> attributes = add_positions(positions, name);
         if (!attributes) return attributes.error();
         Json primitive = {{"attributes", std::move(*attributes)}, {"indices", add_indices(indices, positions.size())}};
-        Json node = {{"name", name}, {"mesh", meshes_.size()}};
-        meshes_.add({{"name", name}, {"primitives", Json::array({std::move(primitive)})}});
-        return node;
+        return meshes_.add({{"name", name}, {"primitives", Json::array({std::move(primitive)})}});
     }
 
     // Checked for every primitive, so that no more memory is allocated than the format can hold.

@@ -296,25 +296,32 @@ class Fracture:
         return hulls
 
     def _export_settings(self, name: str, per_piece: bool, hulls: Optional[str], rigid_bodies: bool,
-                         density: float) -> Any:
+                         density: float, hull_parts: int) -> Any:
         settings = lib.defaults("export_settings")
         names = (None, "godot", "unreal")
         if hulls not in names:
             raise ValueError(f"hulls is {hulls!r}; it must be None, 'godot' or 'unreal'")
         settings.name, settings.hulls = name.encode(), names.index(hulls)
         settings.per_piece, settings.rigid_bodies, settings.density = int(per_piece), int(rigid_bodies), density
+        settings.hull_parts = _count(hull_parts, "hull_parts")
         return settings
 
     def export(self, path: Any, *, name: str = "mesh", per_piece: bool = False, hulls: Optional[str] = None,
-               rigid_bodies: bool = False, density: float = 1000.0) -> None:
-        """Writes the pieces to .glb, .obj, .ply or .stl with the materials of the mesh."""
-        settings = self._export_settings(name, per_piece, hulls, rigid_bodies, density)
+               rigid_bodies: bool = False, density: float = 1000.0, hull_parts: int = 16) -> None:
+        """Writes the pieces to .glb, .obj, .ply or .stl with the materials of the mesh.
+
+        For GLB: `hulls` names the nodes so that 'godot' or 'unreal' makes bodies of the pieces; `rigid_bodies` adds
+        masses (of `density`, kg/m^3) and collision hulls with KHR_physics_rigid_bodies; `hull_parts` is the most hulls
+        of a piece that is not convex.
+        """
+        settings = self._export_settings(name, per_piece, hulls, rigid_bodies, density, hull_parts)
         lib.call("pieces_save", self._handle.pointer, lib.path_bytes(path), byref(settings))
 
     def to_bytes(self, file: str = "pieces.glb", *, name: str = "mesh", per_piece: bool = False,
-                 hulls: Optional[str] = None, rigid_bodies: bool = False, density: float = 1000.0) -> dict[str, bytes]:
+                 hulls: Optional[str] = None, rigid_bodies: bool = False, density: float = 1000.0,
+                 hull_parts: int = 16) -> dict[str, bytes]:
         """The files that export(file) would write: name to content, the one to open first."""
-        settings = self._export_settings(name, per_piece, hulls, rigid_bodies, density)
+        settings = self._export_settings(name, per_piece, hulls, rigid_bodies, density, hull_parts)
         files = lib.Handle("files")
         lib.call("pieces_save_memory", self._handle.pointer, file.encode(), byref(settings), files.out())
         return lib.files_of(files)

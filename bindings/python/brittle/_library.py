@@ -115,7 +115,7 @@ class MaterialStruct(ctypes.Structure):
 
 class ExportSettings(ctypes.Structure):
     _fields_ = [("struct_size", c_uint32), ("per_piece", c_uint32), ("name", c_char_p), ("hulls", c_uint32),
-                ("rigid_bodies", c_uint32), ("density", c_double)]
+                ("rigid_bodies", c_uint32), ("density", c_double), ("hull_parts", c_uint32)]
 
 
 class WorldSettings(ctypes.Structure):

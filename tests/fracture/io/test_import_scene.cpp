@@ -163,3 +163,20 @@ TEST_CASE("import scene: transforms multiply down the tree, and the nodes togeth
     CHECK(triangles == joined->triangles.size());
     CHECK(test::signed_volume(*joined) == doctest::Approx(volume).epsilon(1e-12));
 }
+
+TEST_CASE("import scene: nodes that are collision shapes by their names are left out, with one note") {
+    GlbFile glb;
+    for (int k = 0; k < 3; ++k) glb.add_mesh(cube(1.0 + k));
+    const MeshScene scene = scene_of(glb, R"("nodes": [{"name": "crate", "mesh": 1, "children": [1, 2]},
+        {"name": "UCX_crate_00", "mesh": 0}, {"name": "lid", "mesh": 2}, {"name": "crate-convcolonly", "mesh": 0},
+        {"name": "UCXbox", "mesh": 1}], "scenes": [{"nodes": [0, 3, 4]}], "scene": 0)");
+    REQUIRE(scene.nodes.size() == 3);
+    CHECK(scene.nodes[0].name == "crate");
+    CHECK(scene.nodes[1].name == "lid");
+    CHECK(scene.nodes[2].name == "UCXbox");
+    CHECK(scene.meshes.size() == 2);
+    CHECK(bounds(scene.meshes[scene.nodes[1].mesh].mesh).size().x == doctest::Approx(3.0));
+    REQUIRE(scene.notes.size() == 1);
+    CHECK(scene.notes[0].find("2 nodes that are collision shapes") == 0);
+    check_refused(glb.bytes(R"("nodes": [{"name": "a-colonly", "mesh": 0}])"), Status::empty_mesh, "no triangles");
+}

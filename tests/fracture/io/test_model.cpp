@@ -310,25 +310,22 @@ TEST_CASE("model: bonds, hulls and rigid bodies in a GLB file") {
     options.rigid_bodies = true;
     options.density = 500.0;
     const json document = document_of(written(folder.path / "a.glb", pieces, options));
-    size_t bonds = 0, hull_nodes = 0;
+    size_t bonds = 0, bodies = 0;
     for (const json& node : document["nodes"]) {
-        if (node["name"].get<std::string>().ends_with("-convcolonly")) {
-            ++hull_nodes;
-            const json& position =
-                document["accessors"]
-                        [document["meshes"][node["mesh"].get<size_t>()]["primitives"][0]["attributes"]["POSITION"]
-                             .get<size_t>()];
-            for (size_t k = 0; k < 3; ++k) {
-                CHECK(position["min"][k].get<double>() == doctest::Approx(-0.05).epsilon(1e-5));
-                CHECK(position["max"][k].get<double>() == doctest::Approx(0.05).epsilon(1e-5));
-            }
-        }
         if (!node.contains("extensions")) continue;
+        ++bodies;
         const json &body = node["extensions"]["KHR_physics_rigid_bodies"], &extras = node["extras"]["brittle"];
         CHECK(body["motion"]["mass"].get<double>() == doctest::Approx(500.0 * extras["volume"].get<double>()));
-        const json& hull = document["nodes"][body["collider"]["geometry"]["node"].get<size_t>()];
-        CHECK(hull["name"] == node["name"].get<std::string>() + "-convcolonly");
-        CHECK(node["children"][0] == body["collider"]["geometry"]["node"]);
+        CHECK_FALSE(node.contains("children")); // the hulls are not drawn
+        const json& geometry = body["collider"]["geometry"];
+        CHECK(geometry["convexHull"] == true);
+        const json& hull = document["meshes"][geometry["mesh"].get<size_t>()];
+        CHECK(hull["name"] == node["name"].get<std::string>() + "_hull_00");
+        const json& position = document["accessors"][hull["primitives"][0]["attributes"]["POSITION"].get<size_t>()];
+        for (size_t k = 0; k < 3; ++k) {
+            CHECK(position["min"][k].get<double>() == doctest::Approx(-0.05).epsilon(1e-5));
+            CHECK(position["max"][k].get<double>() == doctest::Approx(0.05).epsilon(1e-5));
+        }
         // Recomputes the tensor from its principal axes.
         const json &d = body["motion"]["inertiaDiagonal"], &q = body["motion"]["inertiaOrientation"];
         const glm::dmat3 axes = glm::mat3_cast(glm::dquat(q[3], q[0], q[1], q[2]));
@@ -341,11 +338,13 @@ TEST_CASE("model: bonds, hulls and rigid bodies in a GLB file") {
                              .scale(0.1));
         bonds += extras.contains("bonds") ? extras["bonds"].size() : 0;
     }
-    CHECK(hull_nodes == pieces.fragments.pieces.size());
+    CHECK(bodies == pieces.fragments.pieces.size());
     CHECK(bonds == pieces.fragments.bonds.size());
-    options.hull_names = HullNames::unreal;
+    options.body_names = BodyNames::unreal;
     const json unreal = document_of(written(folder.path / "b.glb", pieces, options));
     CHECK(unreal["nodes"][2]["name"] == "UCX_crate_000_00");
+    CHECK(unreal["nodes"][2]["mesh"]
+          == unreal["nodes"][1]["extensions"]["KHR_physics_rigid_bodies"]["collider"]["geometry"]["mesh"]);
     hulls[0].push_back(hulls[0][0]);
     options.hulls = hulls;
     const json several = document_of(written(folder.path / "d.glb", pieces, options));
@@ -353,7 +352,24 @@ TEST_CASE("model: bonds, hulls and rigid bodies in a GLB file") {
     CHECK(first["children"] == json{2, 3});
     CHECK_FALSE(first["extensions"]["KHR_physics_rigid_bodies"].contains("collider")); // its hulls are the colliders
     CHECK(second_hull["name"] == "UCX_crate_000_01");
-    CHECK(second_hull["extensions"]["KHR_physics_rigid_bodies"]["collider"]["geometry"]["node"] == 3);
+    CHECK(second_hull["extensions"]["KHR_physics_rigid_bodies"]["collider"]["geometry"]["mesh"] == second_hull["mesh"]);
+    options.body_names = BodyNames::none;
+    const json undrawn = document_of(written(folder.path / "e.glb", pieces, options));
+    CHECK(undrawn["nodes"][1]["children"] == json{2, 3});
+    CHECK_FALSE(undrawn["nodes"][3].contains("mesh"));
+    CHECK(undrawn["nodes"][3]["extensions"]["KHR_physics_rigid_bodies"]["collider"]["geometry"].contains("mesh"));
+    options.rigid_bodies = false;
+    options.body_names = BodyNames::godot;
+    const json godot = document_of(written(folder.path / "f.glb", pieces, options));
+    CHECK(godot["nodes"].size() == 1 + pieces.fragments.pieces.size());
+    CHECK(godot["nodes"][1]["name"] == "crate_000-rigid");
+    options.rigid_bodies = options.fixed = true;
+    const json fixed = document_of(written(folder.path / "g.glb", pieces, options));
+    CHECK(fixed["nodes"].size() == 1 + pieces.fragments.pieces.size());
+    CHECK(fixed["nodes"][1]["name"] == "crate_000-col");
+    const json& surface = fixed["nodes"][1]["extensions"]["KHR_physics_rigid_bodies"];
+    CHECK_FALSE(surface.contains("motion"));
+    CHECK(surface["collider"]["geometry"] == json{{"mesh", fixed["nodes"][1]["mesh"]}});
     hulls.pop_back();
     options.hulls = hulls;
     const auto refused = export_pieces(folder.path / "c.glb", pieces.fragments, pieces.certificate, options);

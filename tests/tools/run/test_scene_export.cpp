@@ -142,7 +142,8 @@ TEST_CASE("scene export: after blows each piece lies where its body is, with the
     simulation.apply(Shoot{{2.0, 0.7, 2.0}, {0.0, 0.0, -25.0}, 0.1, 7800.0});
     run.steps(90);
     ExportSettings with_hulls;
-    with_hulls.hulls = "godot";
+    with_hulls.hulls = "unreal";
+    with_hulls.rigid_bodies = true;
     const std::string file = folder / "scene.glb";
     const size_t pieces = run.write(file, PiecesAs::they_lie, with_hulls);
     CHECK(pieces == simulation.destruction()->pieces().size());
@@ -163,6 +164,7 @@ TEST_CASE("scene export: after blows each piece lies where its body is, with the
         const std::vector<double> at = node["translation"];
         CHECK(glm::length(glm::dvec3(at[0], at[1], at[2]) - glm::dvec3(pose.position)) < 1e-6);
         if (extras.contains("bonds")) bonds[objects.at(name)] += extras["bonds"].size();
+        CHECK(node["extensions"]["KHR_physics_rigid_bodies"].contains("motion") == (objects.at(name) != "floor"));
         if (node.contains("children")) hulls[objects.at(name)] += node["children"].size();
     }
     REQUIRE(simulation.structures().size() == 1);

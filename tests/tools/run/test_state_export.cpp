@@ -213,14 +213,14 @@ TEST_CASE("state export: hulls of rough pieces end where the pieces meet, whethe
     REQUIRE(run.state().bonds.empty());
     double uncut = 0.0;
     for (const fracture::Piece& piece : run.fragments->pieces) {
-        const fracture::TriangleMesh hull = collision_mesh(*run.fragments, piece, {});
-        uncut += fracture::signed_volume(hull.positions, hull.triangles);
+        for (const fracture::TriangleMesh& hull : physics::hull_meshes(*run.fragments, piece, {}))
+            uncut += fracture::signed_volume(hull.positions, hull.triangles);
     }
     double whole = 0.0;
     for (const fracture::Piece& piece : run.fragments->pieces) whole += piece.mass.volume;
     REQUIRE(uncut > 1.05 * whole);
     const double input = input_volume(run);
-    const fs::path file = run.write(folder / "wall.glb", PiecesAs::made, {.hulls = "godot"}).front();
+    const fs::path file = run.write(folder / "wall.glb", PiecesAs::made, {.hulls = "unreal"}).front();
     const double hulls = volume_of(file) - input; // the importer reads pieces and hulls
     CHECK(hulls > 0.9 * input);
     CHECK(hulls < 1.01 * input);
@@ -305,7 +305,7 @@ TEST_CASE("state export: a failed or cancelled export leaves the old file, and a
         return exit_success;
     };
     CHECK(refused({.output = file}, run.source, [] { return true; }) == exit_interrupted);
-    CHECK(refused({.output = file, .hulls = "godot"}, run.source, [] { return true; }) == exit_interrupted);
+    CHECK(refused({.output = file, .hulls = "unreal"}, run.source, [] { return true; }) == exit_interrupted);
     CHECK(refused({.output = file, .interior_texture = folder / "none.png"}, run.source, {}) != exit_success);
     CHECK(refused({.output = folder / "none/a.glb"}, run.source, {}) == exit_output);
     Input other = run.source;

@@ -60,11 +60,18 @@ void add_export_options(CLI::App& command, ExportSettings& files) {
     command.add_flag("--per-piece", files.per_piece, "Write one file for each piece: FILE_000, FILE_001, ...");
     command
         .add_option("--hulls", files.hulls,
-                    "Add collision hulls to a GLB file, under the names that this engine recognises")
+                    "Name the nodes of a GLB file so that this engine makes bodies of the pieces. godot: rigid bodies. "
+                    "unreal: collision hulls.")
         ->check(CLI::IsMember({"godot", "unreal"}))
         ->type_name("ENGINE");
     command.add_flag("--rigid-bodies", files.rigid_bodies,
-                     "Add masses and hulls to a GLB file, by the 2024 draft of KHR_physics_rigid_bodies");
+                     "Add masses and collision hulls to a GLB file, by the draft of June 2026 of "
+                     "KHR_physics_rigid_bodies");
+    command
+        .add_option("--hull-parts", files.hull_parts,
+                    "Most hulls of one piece. A piece that is far from convex needs several. [16]")
+        ->check(number_from(1, 256))
+        ->type_name("N");
     command
         .add_option("--density", files.density,
                     "Density for the masses of --rigid-bodies, kg/m^3. The default is the material's.")

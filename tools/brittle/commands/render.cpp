@@ -28,6 +28,7 @@ namespace {
 
 // Refuses outputs that need a fracture and its motion together with pictures that have neither.
 void check_run(const RenderCommand& command) {
+    check_export(command.pieces.files, "--export");
     const PictureOptions& picture = command.fracture.picture;
     for (const char* option : {"--record", "--export"}) {
         const std::string& file = option == std::string("--record") ? command.record : command.pieces.files.output;

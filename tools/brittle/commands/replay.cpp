@@ -42,6 +42,7 @@ struct Run {
 };
 
 Run load_run(const ReplayCommand& command, const ReplayLog& log) {
+    check_export(command.pieces.files, "--export");
     Run run{command, log};
     if (run.of_scene()) {
         check_export_of_scene(log.recipe, command.pieces.files);

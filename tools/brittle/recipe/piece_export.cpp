@@ -1,5 +1,7 @@
 #include "tools/brittle/recipe/piece_export.h"
 
+#include <utility>
+
 #include "fracture/io/import.h"
 #include "physics/material.h"
 #include "tools/brittle/base/failure.h"
@@ -9,9 +11,6 @@ namespace brittle::tools {
 
 namespace {
 
-// Engines add collision margins of their own, so the hull is hardly shrunk.
-constexpr float min_margin = 0.001f;
-
 double density_of(const ExportSettings& settings, const physics::MaterialPreset* preset) {
     return settings.density > 0.0 ? settings.density
                                   : double{(preset ? preset->material : physics::Material{}).density};
@@ -19,18 +18,37 @@ double density_of(const ExportSettings& settings, const physics::MaterialPreset*
 
 } // namespace
 
-fracture::TriangleMesh collision_mesh(const fracture::Fragments& fragments, const fracture::Piece& piece,
-                                      std::span<const physics::HullPlane> planes) {
-    const glm::dvec3 centre = piece.mass.centre_of_mass;
-    const physics::CollisionHull hull = physics::collision_hull(fragments.positions_of(piece), centre,
-                                                                {.margin_fraction = min_margin, .planes = planes});
-    fracture::TriangleMesh mesh = physics::hull_mesh(hull.points);
-    for (glm::dvec3& p : mesh.positions) p += centre;
-    return mesh;
+void check_export(const ExportSettings& settings, const std::string& output_option) {
+    const auto refuse_if = [](bool given, const std::string& option, const std::string& why) {
+        if (given) throw Failure(exit_usage, option + ": " + why);
+    };
+    const std::string& file = settings.output;
+    const std::string no_file = "there is no file to write; give " + output_option + " FILE";
+    const std::string not_glb = file + " cannot hold bodies; give a name that ends with .glb";
+    const bool is_glb = file.ends_with(".glb"), has_images = is_glb || file.ends_with(".obj");
+    for (const auto& [given, option] :
+         {std::pair(!settings.hulls.empty(), "--hulls"), std::pair(settings.rigid_bodies, "--rigid-bodies")}) {
+        refuse_if(given && file.empty(), option, no_file);
+        refuse_if(given && !is_glb, option, not_glb);
+    }
+    refuse_if(settings.hull_parts > 0 && !wants_hulls(settings), "--hull-parts",
+              settings.hulls == "godot" ? "Godot makes the shapes from the drawn mesh; add --rigid-bodies for hulls"
+                                        : "there are no hulls; add --hulls unreal or --rigid-bodies");
+    refuse_if(settings.density > 0.0 && !settings.rigid_bodies, "--density", "there are no masses; add --rigid-bodies");
+    refuse_if(settings.per_piece && file.empty(), "--per-piece", no_file);
+    refuse_if(!settings.interior_texture.empty() && file.empty(), "--interior-texture", no_file);
+    refuse_if(!settings.interior_texture.empty() && !has_images, "--interior-texture",
+              file + " cannot hold images; give a name that ends with .glb or .obj");
 }
 
 bool wants_hulls(const ExportSettings& settings) {
-    return !settings.hulls.empty() || settings.rigid_bodies;
+    return settings.hulls == "unreal" || settings.rigid_bodies;
+}
+
+physics::HullMeshSettings hull_settings(const ExportSettings& settings) {
+    physics::HullMeshSettings hulls;
+    if (settings.hull_parts > 0) hulls.max_parts = settings.hull_parts;
+    return hulls;
 }
 
 fracture::ExportOptions export_options(const ExportSettings& settings, const FractureOptions& recipe,
@@ -45,7 +63,8 @@ fracture::ExportOptions export_options(const ExportSettings& settings, const Fra
         options.interior =
             fracture::Material{.name = "interior", .base_colour = glm::dvec4(preset->interior, 1.0), .roughness = 0.95};
     }
-    options.hull_names = settings.hulls == "unreal" ? fracture::HullNames::unreal : fracture::HullNames::godot;
+    if (settings.hulls == "godot") options.body_names = fracture::BodyNames::godot;
+    if (settings.hulls == "unreal") options.body_names = fracture::BodyNames::unreal;
     options.rigid_bodies = settings.rigid_bodies;
     options.density = density_of(settings, preset);
     if (!settings.interior_texture.empty())
@@ -59,9 +78,7 @@ std::vector<std::filesystem::path> write_pieces(const ExportSettings& settings, 
     options.sites = input.sites;
     std::vector<std::vector<fracture::TriangleMesh>> hulls;
     if (wants_hulls(settings)) {
-        const std::vector<std::vector<physics::HullPlane>> planes = physics::contact_planes(broken.fragments);
-        for (size_t p = 0; p < planes.size(); ++p)
-            hulls.push_back({collision_mesh(broken.fragments, broken.fragments.pieces[p], planes[p])});
+        hulls = physics::hull_meshes(broken.fragments, hull_settings(settings));
         options.hulls = hulls;
     }
     return must(fracture::export_pieces(settings.output, broken.fragments, broken.certificate, options));

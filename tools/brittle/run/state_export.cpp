@@ -8,7 +8,6 @@
 
 #include "fracture/io/export.h"
 #include "fracture/pieces/certificate.h"
-#include "physics/cutting/convex_parts.h"
 #include "tools/brittle/base/failure.h"
 
 namespace brittle::tools {
@@ -17,9 +16,6 @@ namespace {
 
 // First value of Fragments::vertex_point for points that are not vertices of the input.
 constexpr uint32_t first_cut_point = 1u << 30;
-
-// Engines add collision margins of their own, so hulls are hardly shrunk.
-constexpr physics::ConvexPartSettings hull_settings{.hull = {.margin_fraction = 0.001f}};
 
 std::vector<Snapshot::Piece> pieces_there(const Simulation& simulation, size_t whole_pieces) {
     std::map<uint32_t, physics::Pose> poses; // poses by slot
@@ -150,29 +146,20 @@ std::vector<physics::HullPlane> in_file(std::span<const physics::HullPlane> plan
     return moved;
 }
 
-// Returns the collision hulls of each piece. Pieces cut by blows may be far from convex and get as many hulls as they
-// need. The others are cut along the contacts that they had before the run, whatever bonds are left.
+// Returns the collision hulls of each piece. Pieces that no blow cut are cut along the contacts that they had before the
+// run, whatever bonds are left.
 std::vector<std::vector<fracture::TriangleMesh>> hulls_of(const Snapshot& state, const fracture::Fragments& fragments,
                                                           const StagePlacement& placement,
+                                                          const physics::HullMeshSettings& settings,
                                                           const std::function<bool()>& cancelled) {
     std::vector<std::vector<physics::HullPlane>> planes;
     if (state.fragments) planes = physics::contact_planes(*state.fragments);
     std::vector<std::vector<fracture::TriangleMesh>> hulls;
     for (size_t p = 0; p < state.pieces.size(); ++p) {
         stop_if(cancelled);
-        const fracture::Piece& piece = fragments.pieces[p];
-        std::vector<fracture::TriangleMesh>& own = hulls.emplace_back();
-        if (!state.pieces[p].solid) {
-            own.push_back(collision_mesh(fragments, piece, in_file(planes[state.pieces[p].number], placement)));
-            continue;
-        }
-        const glm::dvec3 centre = piece.mass.centre_of_mass;
-        for (const physics::BodyPart& part :
-             physics::convex_parts(fragments.positions_of(piece), fragments.triangles_of(piece), piece.mass.volume,
-                                   centre, hull_settings)) {
-            own.push_back(physics::hull_mesh(part.hull->points));
-            for (glm::dvec3& v : own.back().positions) v += centre + glm::dvec3(part.offset);
-        }
+        std::vector<physics::HullPlane> own;
+        if (!state.pieces[p].solid) own = in_file(planes[state.pieces[p].number], placement);
+        hulls.push_back(physics::hull_meshes(fragments, fragments.pieces[p], own, settings));
     }
     return hulls;
 }
@@ -221,7 +208,7 @@ std::vector<std::filesystem::path> write_state(const ExportSettings& settings, P
     if (as == PiecesAs::they_lie) options.poses = live.poses;
     std::vector<std::vector<fracture::TriangleMesh>> hulls;
     if (wants_hulls(settings)) {
-        hulls = hulls_of(state, live.fragments, placement, cancelled);
+        hulls = hulls_of(state, live.fragments, placement, hull_settings(settings), cancelled);
         options.hulls = hulls;
     }
     const fracture::Certificate certificate = fracture::certify(source.model.mesh, live.fragments);
@@ -252,9 +239,10 @@ size_t write_scene_state(const ExportSettings& settings, PiecesAs as, const Load
         options.name = object.object.name;
         options.uv_by_plane = true;
         options.poses = live.poses;
+        options.fixed = object.object.fixed;
         std::vector<std::vector<fracture::TriangleMesh>> hulls;
         if (wants_hulls(settings) && !object.object.fixed) {
-            hulls = hulls_of(states[k], live.fragments, {}, {});
+            hulls = hulls_of(states[k], live.fragments, {}, hull_settings(settings), {});
             options.hulls = hulls;
         }
         must(file.add(live.fragments, options));
