@@ -75,14 +75,18 @@ TEST_CASE("hull meshes: a flake, a needle and a piece without volume have a clos
 }
 
 TEST_CASE("hull meshes: they are full, stay in the cells of their pieces, and have no corner beside another") {
-    for (const auto& [shape, sites] : {std::pair{"cube", 20},
-                                       {"hollow_sphere", 30},
-                                       {"menger_sponge", 40},
-                                       {"vase", 40},
-                                       {"torus_knot", 6},
-                                       {"tower", 10}}) {
-        CAPTURE(shape);
-        const Cut made = cut(shape, static_cast<size_t>(sites));
+    struct Case {
+        const char* shape;
+        size_t sites;
+    };
+    for (const Case& tried : {Case{"cube", 20},
+                              {"hollow_sphere", 30},
+                              {"menger_sponge", 40},
+                              {"vase", 40},
+                              {"torus_knot", 6},
+                              {"tower", 10}}) {
+        CAPTURE(tried.shape);
+        const Cut made = cut(tried.shape, tried.sites);
         const HullMeshSettings settings{.max_parts = 64};
         const std::vector<std::vector<TriangleMesh>> all = hull_meshes(made.fragments, settings, 2);
         REQUIRE(all.size() == made.fragments.pieces.size());

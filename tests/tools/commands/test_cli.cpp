@@ -610,18 +610,21 @@ TEST_CASE("pieces are written in every format, with materials, hulls and one fil
     CHECK(each.exit_code == 0);
     CHECK(read_text(folder / "b_003.glb").find("UCX_crate_003_00") != std::string::npos);
     CHECK(read_text(folder / "b_003.glb").find("KHR_physics_rigid_bodies") != std::string::npos);
-    for (const auto& [options, file, words] : {std::array{"--hulls godot", "c.ply", "--hulls: "},
-                                               {"--rigid-bodies", "c.stl", "cannot hold bodies"},
-                                               {"--density 800", "c.glb", "add --rigid-bodies"},
-                                               {"--hull-parts 4", "c.glb", "there are no hulls"},
-                                               {"--hull-parts 4 --hulls godot", "c.glb", "Godot makes the shapes"},
-                                               {"--interior-texture none.png", "c.ply", "cannot hold images"}}) {
-        CAPTURE(options);
-        const Outcome refused =
-            run_brittle(folder, "fracture " + crate + " -n 2 " + options + " -o " + (folder / file));
+    struct Refusal {
+        const char *options, *file, *words;
+    };
+    for (const Refusal& refusal : {Refusal{"--hulls godot", "c.ply", "--hulls: "},
+                                   {"--rigid-bodies", "c.stl", "cannot hold bodies"},
+                                   {"--density 800", "c.glb", "add --rigid-bodies"},
+                                   {"--hull-parts 4", "c.glb", "there are no hulls"},
+                                   {"--hull-parts 4 --hulls godot", "c.glb", "Godot makes the shapes"},
+                                   {"--interior-texture none.png", "c.ply", "cannot hold images"}}) {
+        CAPTURE(refusal.options);
+        const std::string file = folder / refusal.file;
+        const Outcome refused = run_brittle(folder, "fracture " + crate + " -n 2 " + refusal.options + " -o " + file);
         CHECK(refused.exit_code == 2);
-        CHECK(refused.has(words));
-        CHECK_FALSE(fs::exists(folder / file));
+        CHECK(refused.has(refusal.words));
+        CHECK_FALSE(fs::exists(file));
     }
     const Outcome no_file = run_brittle(folder, "render " + crate + " -n 2 --hulls godot -o " + (folder / "c.png"));
     CHECK(no_file.exit_code == 2);
