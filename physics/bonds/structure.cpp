@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <string>
 #include <utility>
 
@@ -27,7 +28,7 @@ constexpr uint32_t min_forms = 64;
 
 } // namespace
 
-Result<Structure> Structure::create(World& world, const Fragments& fragments, const StructureDesc& desc) {
+Result<void> Structure::check(const Fragments& fragments, const StructureDesc& desc) {
     if (const Result<void> checked = check_pieces(fragments, desc.material); !checked) return checked.error();
     for (const uint32_t piece : desc.anchored)
         if (piece >= fragments.pieces.size())
@@ -37,7 +38,11 @@ Result<Structure> Structure::create(World& world, const Fragments& fragments, co
     if (!desc.hulls.empty() && desc.hulls.size() != fragments.pieces.size())
         return Error{Status::invalid_setting, std::to_string(desc.hulls.size()) + " hulls were given for "
                                                   + std::to_string(fragments.pieces.size()) + " pieces"};
-    if (const Result<void> checked = check_assembly(fragments, desc); !checked) return checked.error();
+    return check_assembly(fragments, desc);
+}
+
+Result<Structure> Structure::create(World& world, const Fragments& fragments, const StructureDesc& desc) {
+    if (const Result<void> checked = check(fragments, desc); !checked) return checked.error();
     const PieceHulls hulls = !desc.piece_parts.empty() ? PieceHulls(fragments.pieces.size())
                              : desc.hulls.empty()      ? collision_hulls(fragments, desc.hull)
                                                        : desc.hulls;
@@ -49,6 +54,7 @@ Result<Structure> Structure::create(World& world, const Fragments& fragments, co
     structure.desc_.bond_strength.clear();
     structure.desc_.piece_parts.clear();
     structure.desc_.supports.clear();
+    structure.desc_.piece_objects.clear();
     structure.steps_seen_ = world.steps_taken();
     structure.graph_ = BondGraph(fragments, bond_materials(fragments, desc));
     std::vector<uint32_t> all;
@@ -85,8 +91,12 @@ Result<Structure> Structure::create(World& world, const Fragments& fragments, co
     const Result<void> added = structure.add_islands(world, islands, motion, std::vector<uint8_t>(islands.size(), 0));
     if (!added) return added.error();
     structure.changes_ = {};
-    for (const BodyState& body : structure.bodies_)
-        for (const uint32_t piece : body.pieces) structure.pieces_[piece].initial_pieces = body.pieces.size();
+    const auto object_of = [&](uint32_t piece) { return desc.piece_objects.empty() ? 0 : desc.piece_objects[piece]; };
+    for (const BodyState& body : structure.bodies_) {
+        std::map<uint32_t, size_t> counts;
+        for (const uint32_t piece : body.pieces) ++counts[object_of(piece)];
+        for (const uint32_t piece : body.pieces) structure.pieces_[piece].initial_pieces = counts[object_of(piece)];
+    }
     if (!desc.wear.enabled) return structure;
     std::vector<StressNode> nodes;
     for (const PieceState& piece : structure.pieces_)
@@ -109,6 +119,8 @@ Result<void> Structure::check_assembly(const Fragments& fragments, const Structu
         return wrong(counts("lists of hulls", desc.piece_parts.size(), pieces) + " pieces");
     if (!desc.piece_parts.empty() && !desc.hulls.empty())
         return wrong("hulls and lists of hulls were given; leave one of them out");
+    if (!desc.piece_objects.empty() && desc.piece_objects.size() != pieces)
+        return wrong(counts("objects", desc.piece_objects.size(), pieces) + " pieces");
     std::vector<uint8_t> supports(pieces, 0);
     for (const uint32_t piece : desc.supports) {
         if (piece >= pieces)
@@ -351,6 +363,24 @@ void Structure::remove_body(World& world, uint32_t piece) {
         isolate(part);
         pieces_[part].body = none;
     }
+}
+
+void Structure::remove_pieces(World& world, std::span<const uint32_t> pieces) {
+    std::vector<uint8_t> goes(pieces_.size(), 0);
+    for (const uint32_t piece : pieces) {
+        goes[piece] = 1;
+        isolate(piece);
+    }
+    for (const uint32_t piece : pieces) {
+        const uint32_t body = pieces_[piece].body;
+        if (body == none) continue; // gone with an earlier one
+        const std::vector<uint32_t> together = bodies_[body].pieces;
+        if (exists(world, body) && !std::ranges::all_of(together, [&](uint32_t other) { return goes[other] != 0; }))
+            replace(world, {body, graph_.islands(together)});
+        else
+            remove_body(world, piece);
+    }
+    for (const uint32_t piece : pieces) remove_body(world, piece);
 }
 
 void Structure::remove(World& world) {

@@ -34,7 +34,7 @@
 // - A single piece that comes off while more bodies collide than the limit allows becomes debris (crowd.h). A body of
 //   several bonded pieces never does.
 // - An assembly has pieces of several objects: with materials and hulls of their own, bonds of glue with a strength of
-//   their own, and supports, which stand for what is fixed (StructureDesc).
+//   their own, and supports, which stand for what is fixed (StructureDesc). assembly.h makes one.
 // - The weight of anchored bodies and contacts slower than impact_speed are loads. Overloaded bonds wear (wear.h).
 //
 // Bonded convex pieces, compounds and islands: Mueller, Chentanez and Kim, "Real Time Dynamic Fracture with Volumetric
@@ -86,6 +86,7 @@ struct StructureDesc {
     // Pieces that stand for something fixed that others are glued to, such as a body that the world already has. They
     // are anchored, and have neither mass, hulls nor a body of their own.
     std::vector<uint32_t> supports{};
+    std::vector<uint32_t> piece_objects{}; // numbers of the pieces' objects: is_detached() asks how much of one is left
 };
 
 class Structure {
@@ -93,6 +94,8 @@ class Structure {
     // Adds one body per island of the bond graph. Fails as add_pieces() does, and with invalid_setting on an anchored
     // piece or a support that does not exist, on a wrong number of entries in a list, and on an invalid strength. On
     // failure the world is unchanged.
+    // check() finds all faults but those of bodies that the world refuses.
+    [[nodiscard]] static Result<void> check(const fracture::Fragments& fragments, const StructureDesc& desc);
     static Result<Structure> create(World& world, const fracture::Fragments& fragments, const StructureDesc& desc = {});
 
     // The following functions damage bonds or anchors; bodies split in the next update().
@@ -134,6 +137,8 @@ class Structure {
     // Removes the body of a piece, with all its pieces, from world and structure; to remove one of several pieces would
     // change the mass of a moving body. The bonds of these pieces break.
     void remove_body(World& world, uint32_t piece);
+    // Removes pieces from world and structure. What is left of their bodies moves on, split where it falls apart.
+    void remove_pieces(World& world, std::span<const uint32_t> pieces);
     // Removes all bodies from the world.
     void remove(World& world);
 
@@ -144,7 +149,8 @@ class Structure {
     [[nodiscard]] bool anchored(uint32_t piece) const { return pieces_[piece].anchored; }
     // Returns all pieces of the piece's body, itself included, in ascending order; empty for a removed piece.
     [[nodiscard]] std::span<const uint32_t> pieces_of_body(uint32_t piece) const;
-    // Returns whether the piece's body is not fixed and has at most half as many pieces as the piece's first body.
+    // Returns whether the piece's body is not fixed and has at most half as many pieces as the piece's object had in
+    // the piece's first body.
     [[nodiscard]] bool is_detached(uint32_t piece) const;
     // Returns the piece's centre of mass in body coordinates, m; zero for a removed piece. With `centre` the piece's
     // centre of mass in the fragments, vertex p of the fragments is at p - centre in the pose of visit_poses(), and at
@@ -169,7 +175,7 @@ class Structure {
         std::vector<BodyPart> parts;          // hulls, from the centre of mass; none of a support
         std::shared_ptr<const BodyForm> form; // of its body while alone and free; null if make_form() failed
         uint32_t body = UINT32_MAX;           // index into bodies_; none once removed
-        size_t initial_pieces = 0;            // piece count of its first body
+        size_t initial_pieces = 0;            // those of its object in its first body
         float friction = 0.0f, restitution = 0.0f;
         bool anchored = false;
     };

@@ -43,7 +43,7 @@ Result<ObjectId> Destruction::add(World& world, const fracture::TriangleMesh& me
 Result<ObjectId> Destruction::add(World& world, SolidPtr whole, const BreakableDesc& desc, PayloadPtr payload) {
     if (!payload && desc.payload) payload = desc.payload(*whole, nullptr);
     const ObjectId id{next_object_};
-    objects_.emplace(id, Object{for_jobs(desc), nullptr, {}, 0});
+    objects_.emplace(id, Object{.desc = for_jobs(desc)});
     Live piece{.object = id,
                .solid = std::move(whole),
                .seed = seed_of(desc.pattern.seed, id.value),
@@ -71,36 +71,66 @@ Result<ObjectId> Destruction::add(World& world, const fracture::Fragments& fragm
         solids = own = std::move(*made);
     }
     assert(solids.size() == fragments.pieces.size());
+    AssemblyPart part{&fragments, structure};
+    if (part.desc.hulls.empty())
+        for (const SolidPtr& solid : solids) part.desc.hulls.push_back(solid->parts[0].hull);
+    const Result<AssemblyId> made = assemble(world, {&part, 1}, {});
+    if (!made) return made.error();
+    return add(world, *made, 0, pieces, solids, std::move(payloads));
+}
+
+Result<AssemblyId> Destruction::assemble(World& world, std::span<const AssemblyPart> parts,
+                                         std::span<const GlueBond> glue) {
+    Result<Assembly> made = physics::assemble(world, parts, glue);
+    if (!made) return made.error();
+    const AssemblyId id{next_structure_++};
+    SharedStructure& shared = *(structures_[id] = std::make_shared<SharedStructure>());
+    shared.structure = std::make_unique<Structure>(std::move(made->structure));
+    shared.pieces.resize(shared.structure->piece_count());
+    shared.first_piece = std::move(made->first_piece);
+    shared.placements = std::move(made->placements);
+    return id;
+}
+
+ObjectId Destruction::add(const World& world, AssemblyId assembly, uint32_t part, const BreakableDesc& pieces,
+                          std::span<const SolidPtr> solids, std::vector<PayloadPtr> payloads) {
     if (payloads.empty()) payloads = payloads_of(solids, pieces.payload, pieces.solid.threads);
     assert(payloads.size() == solids.size());
-    StructureDesc desc = structure;
-    if (desc.hulls.empty())
-        for (const SolidPtr& solid : solids) desc.hulls.push_back(solid->parts[0].hull);
-    Result<Structure> made = Structure::create(world, fragments, desc);
-    if (!made) return made.error();
+    const std::shared_ptr<SharedStructure>& shared = structures_.at(assembly);
+    const uint32_t first = shared->first_piece[part];
+    assert(solids.size() == shared->first_piece[part + 1] - first);
     const ObjectId id{next_object_++};
     Object& object = objects_[id];
     object.desc = for_jobs(pieces);
-    object.structure = std::make_unique<Structure>(std::move(*made));
+    object.bonds = shared;
+    object.placement = shared->placements[part];
     const uint64_t seed = seed_of(pieces.pattern.seed, id.value);
-    for (uint32_t i = 0; i < fragments.pieces.size(); ++i)
-        object.bonded.push_back(register_piece(
-            {.object = id, .solid = solids[i], .seed = seed_of(seed, i), .bonded = i, .born = world.steps_taken()},
-            std::move(payloads[i])));
+    for (uint32_t i = 0; i < solids.size(); ++i)
+        shared->pieces[first + i] = register_piece({.object = id,
+                                                    .solid = solids[i],
+                                                    .seed = seed_of(seed, i),
+                                                    .bonded = first + i,
+                                                    .born = world.steps_taken()},
+                                                   std::move(payloads[i]));
     return id;
 }
 
 void Destruction::remove(World& world, ObjectId id) {
     const auto object = objects_.find(id);
     if (object == objects_.end()) return;
-    if (object->second.structure) object->second.structure->remove(world);
+    std::vector<uint32_t> bonded;
     for (const PieceId piece : pieces()) {
         const Live& live = pieces_.at(piece);
         if (live.object != id) continue;
-        world.remove_body(live.own);
+        if (live.bonded != none)
+            bonded.push_back(live.bonded);
+        else
+            world.remove_body(live.own);
         forget_piece(piece);
     }
-    objects_.erase(id);
+    if (object->second.bonds) object->second.bonds->structure->remove_pieces(world, bonded);
+    objects_.erase(object);
+    forget_empty();
 }
 
 // Starts a job for a held piece that is too weak for its own weight.
@@ -115,15 +145,15 @@ void Destruction::part_if_overloaded(const World& world, PieceId id) {
 }
 
 BodyId Destruction::body_of(const Live& piece) const {
-    return piece.bonded == none ? piece.own : objects_.at(piece.object).structure->body_of(piece.bonded);
+    return piece.bonded == none ? piece.own : structure_of(piece).body_of(piece.bonded);
 }
 
 // The motion of the body that holds the piece; that of the piece only if it is alone in the body.
 std::optional<Destruction::Motion> Destruction::motion_of(const World& world, const Live& piece) const {
     const BodyId body = body_of(piece);
     if (!world.contains(body)) return std::nullopt;
-    return Motion{world.pose(body), world.previous_pose(body), world.linear_velocity(body),
-                  world.angular_velocity(body)};
+    return Motion{in_axes_of_object(piece, world.pose(body)), in_axes_of_object(piece, world.previous_pose(body)),
+                  world.linear_velocity(body), world.angular_velocity(body)};
 }
 
 std::optional<Pose> Destruction::pose_of(const World& world, const Live& piece) const {
@@ -134,7 +164,14 @@ std::optional<Pose> Destruction::pose_of(const World& world, const Live& piece) 
 
 Pose Destruction::in_body(const Live& piece, const Pose& body) const {
     if (piece.bonded == none) return body;
-    return offset_pose(body, glm::dvec3(objects_.at(piece.object).structure->offset(piece.bonded)));
+    return in_axes_of_object(piece, offset_pose(body, glm::dvec3(structure_of(piece).offset(piece.bonded))));
+}
+
+// A structure has the axes of its first object. The same pose, bit for bit, for a piece that is not turned against it.
+Pose Destruction::in_axes_of_object(const Live& piece, const Pose& pose) const {
+    const PartPlacement& placement = objects_.at(piece.object).placement;
+    if (piece.bonded == none || placement.turn == PartPlacement{}.turn) return pose;
+    return {pose.position, glm::quat(glm::normalize(glm::dquat(pose.orientation) * placement.turn))};
 }
 
 // All but the pose and the motion.
@@ -252,6 +289,12 @@ void Destruction::update(World& world, double budget) {
     commit_due(world, budget);
     update_debris(world);
     std::erase_if(objects_, [](const auto& entry) { return entry.second.pieces == 0; });
+    forget_empty();
+}
+
+// Forgets structures without objects.
+void Destruction::forget_empty() {
+    std::erase_if(structures_, [](const auto& entry) { return entry.second.use_count() == 1; });
 }
 
 DestructionEvents Destruction::take_events() {
@@ -275,12 +318,24 @@ void Destruction::visit_poses(const World& world, float alpha, uint64_t since, c
 
 Structure* Destruction::structure(ObjectId object) {
     const auto at = objects_.find(object);
-    return at == objects_.end() ? nullptr : at->second.structure.get();
+    return at == objects_.end() || !at->second.bonds ? nullptr : at->second.bonds->structure.get();
 }
 
 const Structure* Destruction::structure(ObjectId object) const {
     const auto at = objects_.find(object);
-    return at == objects_.end() ? nullptr : at->second.structure.get();
+    return at == objects_.end() || !at->second.bonds ? nullptr : at->second.bonds->structure.get();
+}
+
+std::vector<Structure*> Destruction::structures() {
+    std::vector<Structure*> all;
+    for (const auto& [id, shared] : structures_) all.push_back(shared->structure.get());
+    return all;
+}
+
+std::vector<const Structure*> Destruction::structures() const {
+    std::vector<const Structure*> all;
+    for (const auto& [id, shared] : structures_) all.push_back(shared->structure.get());
+    return all;
 }
 
 std::optional<uint32_t> Destruction::bonded(PieceId piece) const {
@@ -309,8 +364,7 @@ uint64_t Destruction::state_hash() const {
         hash.add(static_cast<uint8_t>(piece.unbreakable));
         hash.add(piece.waiting ? piece.waiting->blow.energy : 0.0);
     }
-    for (const auto& [id, object] : objects_)
-        if (object.structure) hash.add(object.structure->state_hash());
+    for (const auto& [id, shared] : structures_) hash.add(shared->structure->state_hash());
     return hash.value();
 }
 

@@ -7,10 +7,10 @@
 //                 destruction.visit_poses(world, alpha, 0,
 //                                         [&](uint32_t slot, const Pose& pose) { poses[slot] = pose; });
 //
-// An object starts whole, as one closed mesh and one body, or as a Structure of bonded pieces. A piece is one closed
-// mesh with mass, collision hulls and a PieceId (solid_piece.h). Its body is its own, or in a structure the body of its
-// island. A piece that reaches into an anchor is fixed. Each piece has a slot, an index into the caller's array of
-// poses; the slot is reused once the piece is gone.
+// An object starts whole, as one closed mesh and one body, or as a Structure of bonded pieces, which glued objects
+// share (assemble()). A piece is one closed mesh with mass, collision hulls and a PieceId (solid_piece.h). Its body is
+// its own, or in a structure the body of its island. A piece that reaches into an anchor is fixed. Each piece has a
+// slot, an index into the caller's array of poses; the slot is reused once the piece is gone.
 //
 // From a contact to new pieces:
 //  1. Blow. update() sums contacts that came in faster than impact_speed into blows, each over as many steps as it
@@ -74,6 +74,7 @@
 
 #include <glm/vec3.hpp>
 
+#include "physics/bonds/assembly.h"
 #include "physics/bonds/structure.h"
 #include "physics/cutting/background.h"
 #include "physics/cutting/contact_blows.h"
@@ -92,6 +93,13 @@ struct ObjectId {
     uint32_t value = UINT32_MAX; // the default names none
 
     friend auto operator<=>(ObjectId, ObjectId) = default;
+};
+
+// Names glued objects of one Destruction.
+struct AssemblyId {
+    uint32_t value = UINT32_MAX; // the default names none
+
+    friend auto operator<=>(AssemblyId, AssemblyId) = default;
 };
 
 struct BreakableDesc {
@@ -207,7 +215,16 @@ class Destruction {
     Result<ObjectId> add(World& world, const fracture::Fragments& fragments, const StructureDesc& structure,
                          const BreakableDesc& pieces, std::span<const SolidPtr> solids = {},
                          std::vector<PayloadPtr> payloads = {});
-    // Removes an object with all its pieces and cancels its jobs.
+    // Adds glued objects (assembly.h): assemble() makes their common structure and its bodies, then add() makes each
+    // part an object, before the next update(). The hulls of a part's description are those of its solids. Fails as
+    // physics::assemble() does.
+    //     AssemblyId glued = *destruction.assemble(world, parts, glue);
+    //     for (uint32_t part = 0; part < parts.size(); ++part)
+    //         objects.push_back(destruction.add(glued, part, descs[part], solids[part], payloads[part]));
+    Result<AssemblyId> assemble(World& world, std::span<const AssemblyPart> parts, std::span<const GlueBond> glue);
+    ObjectId add(const World& world, AssemblyId assembly, uint32_t part, const BreakableDesc& pieces,
+                 std::span<const SolidPtr> solids, std::vector<PayloadPtr> payloads = {});
+    // Removes an object with all its pieces and cancels its jobs. What was glued to it stays.
     void remove(World& world, ObjectId object);
 
     // Call after each step of the world. budget: s of the main thread for commits, with Timing::when_ready; at least
@@ -247,10 +264,16 @@ class Destruction {
     // The world no longer contains the body if the caller removed it there.
     [[nodiscard]] BodyId body(PieceId piece) const { return body_of(pieces_.at(piece)); }
     [[nodiscard]] PieceId next_piece() const { return {next_piece_}; } // above all pieces so far
-    // The bonds of an object, for damage by hand; null for an object without bonds. Its piece indices are, in order,
-    // the first PieceIds of the object.
+    // Pose of the piece's centre of mass in the axes of its object. Precondition: its body is in the world.
+    [[nodiscard]] Pose pose(const World& world, PieceId piece) const { return *pose_of(world, pieces_.at(piece)); }
+    // The bonds of an object, for damage by hand; null for an object without bonds. Glued objects share them. The
+    // indices of its pieces are those of bonded(): in order, the first PieceIds of the object.
     [[nodiscard]] Structure* structure(ObjectId object);
     [[nodiscard]] const Structure* structure(ObjectId object) const;
+    [[nodiscard]] std::vector<Structure*> structures(); // each once, in the order of their objects
+    [[nodiscard]] std::vector<const Structure*> structures() const;
+    // From the coordinates of an object with bonds to those of its structure.
+    [[nodiscard]] PartPlacement placement_in_structure(ObjectId object) const { return objects_.at(object).placement; }
     // Index of the piece in its structure; nothing for a piece outside one.
     [[nodiscard]] std::optional<uint32_t> bonded(PieceId piece) const;
     [[nodiscard]] size_t jobs_in_flight() const { return jobs_.size(); }
@@ -269,10 +292,16 @@ class Destruction {
         double bounce = 0.0;        // J of the energy that the striker keeps, where the piece bears the blow
         SuspendedContact contact{}; // of the hardest blow
     };
+    struct SharedStructure { // of an object, or of glued ones
+        std::unique_ptr<Structure> structure;
+        std::vector<PieceId> pieces; // by piece of the structure; none for a support
+        std::vector<uint32_t> first_piece;
+        std::vector<PartPlacement> placements; // both by part
+    };
     struct Object {
         std::shared_ptr<const BreakableDesc> desc;
-        std::unique_ptr<Structure> structure; // null for an object that started whole
-        std::vector<PieceId> bonded;          // by piece of the structure
+        std::shared_ptr<SharedStructure> bonds{}; // null for an object that started whole
+        PartPlacement placement{};                // in the structure
         uint32_t pieces = 0;
     };
     struct Live {
@@ -320,6 +349,12 @@ class Destruction {
     [[nodiscard]] BodyId body_of(const Live& piece) const;
     [[nodiscard]] std::optional<Motion> motion_of(const World& world, const Live& piece) const;
     [[nodiscard]] std::optional<Pose> pose_of(const World& world, const Live& piece) const;
+    // Precondition: the piece is in a structure.
+    [[nodiscard]] Structure& structure_of(const Live& piece) const {
+        return *objects_.at(piece.object).bonds->structure;
+    }
+    [[nodiscard]] Pose in_axes_of_object(const Live& piece, const Pose& pose) const;
+    void forget_empty();
     [[nodiscard]] Pose in_body(const Live& piece, const Pose& body) const;
     Result<PieceId> add_piece(World& world, Live piece, PayloadPtr payload, const Motion& motion,
                               const glm::dvec3& from, bool debris, const std::shared_ptr<const BodyForm>& form = {});
@@ -367,12 +402,13 @@ class Destruction {
 
     DestructionSettings settings_;
     std::map<ObjectId, Object> objects_;
+    std::map<AssemblyId, std::shared_ptr<SharedStructure>> structures_;
     std::map<PieceId, Live> pieces_;
     std::unordered_map<uint32_t, PieceId>
         piece_of_body_; // pieces with a body of their own, by BodyId::value; never iterated
     std::map<uint32_t, Job> jobs_;
     std::set<uint32_t> free_slots_;
-    uint32_t slot_count_ = 0, next_object_ = 0, next_piece_ = 0, next_job_ = 0;
+    uint32_t slot_count_ = 0, next_object_ = 0, next_structure_ = 0, next_piece_ = 0, next_job_ = 0;
     uint64_t steps_seen_ = 0, removed_seen_ = 0;
     BlowTracker blows_;
     std::vector<Commit> commits_, script_;

@@ -70,7 +70,7 @@ void Destruction::commit_due(World& world, double budget) {
 
 // True for a piece whose structure still bonds it to others; the structure releases it in its next update.
 bool Destruction::has_bonds(const Live& piece) const {
-    return piece.bonded != none && objects_.at(piece.object).structure->pieces_of_body(piece.bonded).size() > 1;
+    return piece.bonded != none && structure_of(piece).pieces_of_body(piece.bonded).size() > 1;
 }
 
 // False if the commit must wait for the structure to release the piece.
@@ -126,10 +126,9 @@ std::vector<PieceId> Destruction::replace(World& world, PieceId old, Broken& bro
     Live parent = pieces_.at(old);
     const Motion motion = *motion_of(world, parent);
     const bool was_debris = world.debris(body_of(parent));
-    Object& object = objects_.at(parent.object);
     const std::vector<LooseJoint> joints = world.take_joints(body_of(parent));
     if (parent.bonded != none)
-        object.structure->take_piece(world, parent.bonded);
+        structure_of(parent).take_piece(world, parent.bonded);
     else
         world.remove_body(parent.own);
     forget_piece(old);

@@ -39,25 +39,25 @@ bool Destruction::is_seen(const World& world, const Live& piece) const {
 std::vector<PieceId> Destruction::pieces_of_body(PieceId id) const {
     const Live& piece = pieces_.at(id);
     if (piece.bonded == none) return {id};
-    const Object& object = objects_.at(piece.object);
+    const SharedStructure& shared = *objects_.at(piece.object).bonds;
     std::vector<PieceId> pieces;
-    for (const uint32_t other : object.structure->pieces_of_body(piece.bonded)) pieces.push_back(object.bonded[other]);
+    for (const uint32_t other : shared.structure->pieces_of_body(piece.bonded)) pieces.push_back(shared.pieces[other]);
     return pieces;
 }
 
 bool Destruction::is_detached(const Live& piece) const {
     return piece.bonded == none ? piece.depth > 0 && !piece.solid->anchored
-                                : objects_.at(piece.object).structure->is_detached(piece.bonded);
+                                : structure_of(piece).is_detached(piece.bonded);
 }
 
 // The first piece of a bonded group stands for the group.
 bool Destruction::is_debris(const Live& piece) const {
     if (!is_detached(piece) || piece.job != none || piece.fading > 0) return false;
     if (piece.bonded == none) return true;
-    const Object& object = objects_.at(piece.object);
-    const std::span<const uint32_t> together = object.structure->pieces_of_body(piece.bonded);
+    const SharedStructure& shared = *objects_.at(piece.object).bonds;
+    const std::span<const uint32_t> together = shared.structure->pieces_of_body(piece.bonded);
     return together.front() == piece.bonded && std::ranges::all_of(together, [&](uint32_t other) {
-               return pieces_.at(object.bonded[other]).job == none;
+               return pieces_.at(shared.pieces[other]).job == none;
            });
 }
 
@@ -94,7 +94,7 @@ void Destruction::take_out(World& world, std::span<const PieceId> gone) {
         if (piece.bonded == none)
             world.remove_body(piece.own);
         else
-            objects_.at(piece.object).structure->remove_body(world, piece.bonded);
+            structure_of(piece).remove_body(world, piece.bonded);
         forget_piece(id);
     }
 }

@@ -92,10 +92,9 @@ void Destruction::collect_blows(World& world) {
 }
 
 void Destruction::update_structures(World& world) {
-    for (auto& [id, object] : objects_) {
-        if (!object.structure) continue;
-        for (const Impact& impact : object.structure->update(world).impacts) {
-            const PieceId piece = object.bonded[impact.piece];
+    for (const auto& [id, shared] : structures_) {
+        for (const Impact& impact : shared->structure->update(world).impacts) {
+            const PieceId piece = shared->pieces[impact.piece];
             const auto at = pieces_.find(piece);
             if (at == pieces_.end() || !world.contains(body_of(at->second))) continue;
             const Pose pose = *pose_of(world, at->second);
@@ -105,7 +104,7 @@ void Destruction::update_structures(World& world) {
                          static_cast<double>(impact.impulse * impact.sharpness / impact_seconds)},
                 .contact = {.striker = impact.other}};
             hit_piece(world, piece, hit);
-            if (pieces_.at(piece).job != none) object.structure->isolate(impact.piece);
+            if (pieces_.at(piece).job != none) shared->structure->isolate(impact.piece);
         }
     }
 }
@@ -119,8 +118,7 @@ bool Destruction::strike(const World& world, PieceId id, const glm::vec3& point,
     Hit hit;
     hit.blow = *blow;
     hit_piece(world, id, hit);
-    if (at->second.bonded != none && at->second.job != none)
-        objects_.at(at->second.object).structure->isolate(at->second.bonded);
+    if (at->second.bonded != none && at->second.job != none) structure_of(at->second).isolate(at->second.bonded);
     return at->second.job != none;
 }
 
@@ -276,8 +274,8 @@ Destruction::Broken Destruction::broken_by(const PlannedCut& cut, const std::fun
 
 // m/s^2, in the coordinates of the object; zero for a piece without a body.
 glm::dvec3 Destruction::gravity_of(const World& world, const Live& piece) const {
-    const BodyId body = body_of(piece);
-    return world.contains(body) ? to_body_axes(world.pose(body), world.settings().gravity) : glm::dvec3(0.0);
+    const std::optional<Pose> pose = pose_of(world, piece);
+    return pose ? to_body_axes(*pose, world.settings().gravity) : glm::dvec3(0.0);
 }
 
 // A blow that breaks nothing at its contact may break the weakest section of a held piece; where none breaks, `chip` is

@@ -505,6 +505,14 @@ CollisionHull collision_hull(std::span<const glm::dvec3> points, glm::dvec3 orig
     return hull;
 }
 
+CollisionHull turned(const CollisionHull& hull, const glm::dquat& turn) {
+    assert(!hull.facet);
+    CollisionHull result = hull;
+    for (glm::vec3& point : result.points) point = glm::vec3(turn * glm::dvec3(point));
+    for (glm::vec3& side : result.section.sides) side = glm::vec3(turn * glm::dvec3(side));
+    return result;
+}
+
 std::optional<CollisionHull> cut_hull(const CollisionHull& hull, const HullPlane& plane, const HullSettings& settings) {
     const auto margin = static_cast<double>(hull.margin);
     std::vector<glm::dvec3> points(hull.points.begin(), hull.points.end());

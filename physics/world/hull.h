@@ -20,6 +20,7 @@
 #include <utility>
 #include <vector>
 
+#include <glm/gtc/quaternion.hpp>
 #include <glm/vec3.hpp>
 
 #include "fracture/mesh/mesh.h"
@@ -97,6 +98,9 @@ struct CollisionHull {
 // where no more than a flake is left.
 [[nodiscard]] std::optional<CollisionHull> cut_hull(const CollisionHull& hull, const HullPlane& plane,
                                                     const HullSettings& settings = {});
+
+// Returns the hull of a solid, turned about the origin of its points.
+[[nodiscard]] CollisionHull turned(const CollisionHull& hull, const glm::dquat& turn);
 
 // Returns, per piece, the mean plane of each of its contacts. The hulls of two pieces with a contact, cut along these
 // planes, do not overlap. Those of flat cuts cut nothing off. A bond to a missing piece or without area gives no plane.

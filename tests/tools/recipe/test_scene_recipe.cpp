@@ -1,6 +1,8 @@
 // Recipes of version 2: scenes of several objects.
+#include <initializer_list>
 #include <set>
 #include <string>
+#include <vector>
 
 #include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
@@ -74,6 +76,65 @@ TEST_CASE("scene recipe: bad values are named by object and path") {
                "there is another object \"a\"");
 }
 
+TEST_CASE("scene recipe: bad glue is named by its path") {
+    const auto check = [](const std::string& glue, const std::string& words) {
+        const std::string message = message_of(
+            R"({"brittle": 2, "objects": [{"name": "a", "mesh": "shape:cube", "fixed": true},
+                {"name": "b", "mesh": "shape:cube", "bonded": true}, {"name": "c", "mesh": "shape:cube"},
+                {"name": "d", "mesh": "shape:cube", "shattered": true},
+                {"name": "e", "mesh": "shape:cube", "breakable": false}], "glue": )"
+            + glue + "}");
+        CAPTURE(message);
+        if (words.empty())
+            CHECK(message.empty());
+        else
+            CHECK(message.find(words) != std::string::npos);
+    };
+    check("[]", "");
+    check(R"([{"between": ["a", "b"]}, {"between": ["[abe]", "b"]}])", "/glue/1/between/0: no object has the name");
+    check("{}", "/glue: expected a list");
+    check("[{}]", "/glue/0/between: expected the names of two objects");
+    check(R"([{"between": ["a"]}])", "/glue/0/between");
+    check(R"([{"between": ["a", 1]}])", "/glue/0/between");
+    check(R"([{"between": ["a", "x*"]}])", "/glue/0/between/1: no object has the name \"x*\"");
+    check(R"([{"between": ["a", "b"], "strength": 0}])", "/glue/0/strength");
+    check(R"([{"between": ["a", "b"], "tolerance": -1}])", "/glue/0/tolerance");
+    check(R"([{"between": ["a", "b"], "power": 1}])", "/glue/0/power");
+    check(R"([{"between": ["e", "b"]}])", "");
+    check(R"([{"between": ["a", "c"]}])", "/glue/0/between/1: the object 'c' starts whole");
+    check(R"([{"between": ["?", "b"]}])", "/glue/0/between/0: the object 'c'");
+    check(R"([{"between": ["a", "d"]}])", "the object 'd' is loose pieces");
+    CHECK(message_of(R"({"brittle": 1, "mesh": "shape:cube", "glue": []})").find("/glue") != std::string::npos);
+}
+
+TEST_CASE("scene recipe: patterns of names stand for any text by * and for any byte by ?") {
+    CHECK(fits_pattern("", ""));
+    CHECK_FALSE(fits_pattern("", "a"));
+    CHECK(fits_pattern("*", ""));
+    CHECK(fits_pattern("**", "ab"));
+    CHECK(fits_pattern("a*c", "abbc"));
+    CHECK(fits_pattern("a*b*c", "abcbc"));
+    CHECK_FALSE(fits_pattern("a*b", "abc"));
+    CHECK(fits_pattern("?b", "ab"));
+    CHECK_FALSE(fits_pattern("?", ""));
+    CHECK_FALSE(fits_pattern("a?", "a"));
+}
+
+TEST_CASE("scene recipe: glue follows the names of objects, and goes with the last object that it fits") {
+    const auto objects = [](std::initializer_list<const char*> names) {
+        std::vector<SceneObject> all;
+        for (const char* name : names) all.emplace_back().name = name;
+        return all;
+    };
+    std::vector<Glue> glue{{"shelf", "wall"}, {"b*", "wall"}, {"nobody", "wall"}};
+    follow_objects(glue, objects({"wall", "shelf", "b1", "b2"}), objects({"wall", "board", "b1", "b2"}));
+    CHECK(glue == std::vector<Glue>{{"board", "wall"}, {"b*", "wall"}, {"nobody", "wall"}});
+    follow_objects(glue, objects({"wall", "board", "b1", "b2"}), objects({"wall", "b2"}));
+    CHECK(glue == std::vector<Glue>{{"b*", "wall"}, {"nobody", "wall"}});
+    follow_objects(glue, objects({"wall", "b2"}), objects({"b2"}));
+    CHECK(glue.empty());
+}
+
 TEST_CASE("scene recipe: objects without a name are named by their meshes, and start whole and breakable") {
     const FractureOptions scene = read(
         R"({"brittle": 2, "objects": [{"mesh": "shape:cube"}, {"mesh": "shape:cube"}, {"mesh": "things/vase.obj"},
@@ -104,6 +165,7 @@ TEST_CASE("scene recipe: writing and reading preserve every value") {
          "brick": {"size": [0.3, 0.05, 0.1], "along": "z"}, "anchors": [{"at": [0, 1, 0], "radius": 0.2}]},
         {"name": "floor", "mesh": "/meshes/set.glb", "in_pieces": true, "contact_tolerance": 0.002, "bonded": true},
         {"name": "heap", "mesh": "shape:cube", "shattered": true, "breakable": false}],
+        "glue": [{"between": ["v*", "floor"]}, {"between": ["floor", "floor"], "strength": 0.5, "tolerance": 0.002}],
         "world": {"physics": "bullet", "air_density": 0.5, "max_colliding": 70, "piece_limit": 900,
                   "shots": [{"time": 1, "from": [0, 1, 4], "velocity": [0, 0, -12], "radius": 0.1, "density": 7800}]},
         "picture": {"frames": 7, "azimuth": 90}})";

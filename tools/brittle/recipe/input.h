@@ -15,6 +15,7 @@
 #include "fracture/sites/pattern.h"
 #include "fracture/unite/unite.h"
 #include "tools/brittle/recipe/automatic_pattern.h"
+#include "tools/brittle/recipe/glue.h"
 #include "tools/brittle/recipe/picture_options.h"
 #include "tools/brittle/recipe/placement.h"
 #include "tools/brittle/recipe/strike.h"
@@ -77,6 +78,7 @@ struct FractureOptions {
     // and the members of `world` that concern no single object then count.
     Level level;
     std::vector<SceneObject> objects;
+    std::vector<Glue> glue; // between objects of the scene
 };
 
 // An object of a scene: a recipe of its own, and its place. It starts whole and breakable, unless its recipe's world or

@@ -12,6 +12,7 @@
 
 #include "fracture/io/text_cursor.h"
 #include "tools/brittle/base/failure.h"
+#include "tools/brittle/recipe/glue.h"
 #include "tools/brittle/recipe/json_reader.h"
 #include "tools/brittle/recipe/recipe.h"
 
@@ -22,26 +23,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 using fracture::SceneMesh;
 using fracture::SceneNode;
-
-// Whether a text fits a pattern, in which * stands for any text and ? for any byte. Linear memory, and time bounded by
-// the product of the lengths: after a mismatch only the last * takes one more byte.
-bool fits(std::string_view pattern, std::string_view text) {
-    size_t p = 0, t = 0;
-    std::optional<std::pair<size_t, size_t>> retry; // behind the last *, and where the text goes on there
-    while (t < text.size()) {
-        if (p < pattern.size() && pattern[p] == '*') {
-            retry = {++p, t};
-        } else if (p < pattern.size() && (pattern[p] == '?' || pattern[p] == text[t])) {
-            ++p, ++t;
-        } else if (retry) {
-            p = retry->first;
-            t = ++retry->second;
-        } else {
-            return false;
-        }
-    }
-    return pattern.find_first_not_of('*', p) == pattern.npos;
-}
 
 Json parsed(const std::string& extras) {
     return extras.empty() ? Json::object() : Json::parse(extras);
@@ -67,8 +48,8 @@ bool holds(const LevelRule& rule, const Candidate& candidate) {
         const Json* value = candidate.property(extra.first);
         return value && *value == Json::parse(extra.second);
     };
-    const auto fits_material = [&](const std::string& name) { return fits(rule.material, name); };
-    return (rule.node.empty() || fits(rule.node, candidate.node.name))
+    const auto fits_material = [&](const std::string& name) { return fits_pattern(rule.material, name); };
+    return (rule.node.empty() || fits_pattern(rule.node, candidate.node.name))
            && (rule.material.empty() || std::ranges::any_of(candidate.mesh.materials, fits_material))
            && std::ranges::all_of(rule.extras, has);
 }

@@ -16,6 +16,7 @@
 #include "fracture/io/atomic_file.h"
 #include "fracture/io/text_cursor.h"
 #include "tools/brittle/base/failure.h"
+#include "tools/brittle/recipe/glue.h"
 #include "tools/brittle/recipe/json_reader.h"
 #include "tools/brittle/recipe/world_json.h"
 
@@ -167,12 +168,21 @@ Json level_json(const Level& level) {
     return json;
 }
 
+Json glue_json(const Glue& glue) {
+    const Glue plain;
+    Json json{{"between", Json::array({glue.first, glue.second})}};
+    if (glue.strength != plain.strength) json["strength"] = glue.strength;
+    if (glue.tolerance != plain.tolerance) json["tolerance"] = glue.tolerance;
+    return json;
+}
+
 Json scene_json(const FractureOptions& scene) {
     Json json{{"brittle", scene_version}};
     if (scene.units != LengthUnit::metre) json["units"] = to_string(scene.units);
     if (scene.piece_scale != 1.0) json["piece_scale"] = scene.piece_scale;
     if (!scene.level.mesh.empty()) json["level"] = level_json(scene.level);
     for (const SceneObject& object : scene.objects) json["objects"].push_back(object_json(object));
+    for (const Glue& glue : scene.glue) json["glue"].push_back(glue_json(glue));
     Json world = Json::object();
     add_world(scene.world, world);
     if (!world.empty()) json["world"] = world;
@@ -510,6 +520,46 @@ void read_objects(const std::filesystem::path& file, const std::string& path, Js
     name_by_mesh(scene.objects, std::move(names));
 }
 
+// Of a level, the objects are known once its file is read.
+void check_glue(JsonReader& reader, const FractureOptions& scene, const Glue& glue) {
+    for (const int side : {0, 1}) {
+        const std::string key = "between/" + std::to_string(side);
+        const std::string& pattern = side == 0 ? glue.first : glue.second;
+        bool fits = !scene.level.mesh.empty();
+        for (const SceneObject& object : scene.objects) {
+            if (!fits_pattern(pattern, object.name)) continue;
+            fits = true;
+            if (const std::string refusal = refusal_of_glue(object); !refusal.empty())
+                throw reader.failure(key, refusal);
+        }
+        if (!fits)
+            throw reader.failure(key, "no object has the name " + shown(pattern)
+                                          + "; give the name of an object, in which * may stand for any text");
+    }
+}
+
+void read_glue(const std::filesystem::path& file, const std::string& path, JsonReader& reader, FractureOptions& scene) {
+    const Json* list = reader.find("glue");
+    if (!list) return;
+    if (!list->is_array() || list->size() > max_glue)
+        reader.fail("glue", "a list [{ }, ...] of at most " + std::to_string(max_glue), *list);
+    for (size_t k = 0; k < list->size(); ++k) {
+        JsonReader inner(file, (*list)[k], path + "/glue/" + std::to_string(k));
+        Glue& glue = scene.glue.emplace_back();
+        const Json* between = inner.find("between");
+        if (!between || !between->is_array() || between->size() != 2 || !(*between)[0].is_string()
+            || !(*between)[1].is_string())
+            inner.fail("between", "the names of two objects, such as [\"shelf\", \"wall\"]",
+                       between ? *between : Json());
+        glue.first = (*between)[0].get<std::string>();
+        glue.second = (*between)[1].get<std::string>();
+        inner.number("strength", glue.strength, min_glue_strength, max_glue_strength);
+        inner.number("tolerance", glue.tolerance, 0.0, max_contact_tolerance);
+        inner.refuse_unknown_keys();
+        check_glue(inner, scene, glue);
+    }
+}
+
 } // namespace
 
 void read_object_kind(const std::filesystem::path& file, const Json& json, const std::string& path,
@@ -529,12 +579,14 @@ void read_recipe(const std::filesystem::path& file, const Json& json, const std:
     const bool scene = written_for == scene_version;
     options.level = {};
     options.objects.clear();
+    options.glue.clear();
     if (scene) options.units = LengthUnit::metre;
     read_units(reader, options.units);
     options.piece_scale = 1.0;
     if (scene) {
         reader.number("piece_scale", options.piece_scale, 1e-3, 1e3);
         read_objects(file, path, reader, options);
+        read_glue(file, path, reader, options);
     } else {
         read_mesh(file, reader, options.mesh);
         read_fracture(file, path, reader, options);

@@ -18,11 +18,6 @@ namespace {
 
 constexpr double anchor_height = 0.01; // m above an object's lowest point: WorldOptions::anchored holds what is below
 
-physics::Material flawed_material(const PreparedObject& object) {
-    return physics::scale_strength(plain_material(physics::material_preset(object.material)),
-                                   physics::flawed_strength * static_cast<float>(object.world.strength));
-}
-
 std::vector<physics::AnchorRegion> anchor_regions(const PreparedObject& object) {
     std::vector<physics::AnchorRegion> regions;
     if (object.world.anchored) {
@@ -40,6 +35,11 @@ std::vector<physics::AnchorRegion> anchor_regions(const PreparedObject& object) 
 
 physics::Material plain_material(const physics::MaterialPreset* preset) {
     return preset ? preset->material : physics::Material{};
+}
+
+physics::Material flawed_material(const PreparedObject& object) {
+    return physics::scale_strength(plain_material(physics::material_preset(object.material)),
+                                   physics::flawed_strength * static_cast<float>(object.world.strength));
 }
 
 physics::StructureDesc structure_desc(const PreparedObject& object) {

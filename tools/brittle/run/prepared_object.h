@@ -13,6 +13,8 @@
 #include <string>
 #include <vector>
 
+#include <glm/vec3.hpp>
+
 #include "fracture/mesh/mesh.h"
 #include "fracture/pieces/fragments.h"
 #include "physics/bonds/structure.h"
@@ -33,6 +35,17 @@ struct PreparedBodies {
     std::vector<physics::PayloadPtr> payloads;
 };
 
+// A contact at which an object is glued to another one of the scene.
+struct PreparedGlue {
+    uint32_t piece = 0;
+    uint32_t other = 0; // an earlier object, or a fixed one
+    uint32_t other_piece = 0;
+    double area = 0.0;        // m^2
+    glm::dvec3 centroid{0.0}; // in the world, for the places of both
+    glm::dvec3 normal{0.0};   // unit, towards the other
+    float strength = 1.0f;    // multiple of that of the weaker material
+};
+
 struct PreparedObject {
     std::string name{};
     std::shared_ptr<const fracture::Fragments> fragments{};  // in the object's coordinates; null for a fixed object
@@ -42,6 +55,7 @@ struct PreparedObject {
     bool rigid = false;                                      // never cut
     physics::Pose placement{};                               // from the object's coordinates to the world
     PreparedBodies bodies{};
+    std::vector<PreparedGlue> glue{}; // set by find_glue() (scene_glue.h); copy_of() leaves it out
 
     [[nodiscard]] bool fixed() const { return surface != nullptr; }
 };
@@ -56,6 +70,8 @@ void prepare(PreparedObject& object, const physics::PayloadMaker& payload = {}, 
 [[nodiscard]] uint64_t pieces_hash(std::span<const PreparedObject> objects);
 
 [[nodiscard]] physics::Material plain_material(const physics::MaterialPreset* preset);
+// Of the bonds and pieces of an object: weaker than handbook values by flaws, and by the object's strength.
+[[nodiscard]] physics::Material flawed_material(const PreparedObject& object);
 // How the pieces of an object are bonded, and how they break.
 [[nodiscard]] physics::StructureDesc structure_desc(const PreparedObject& object);
 [[nodiscard]] physics::BreakableDesc breakable_desc(const PreparedObject& object, const physics::PayloadMaker& payload);

@@ -26,6 +26,7 @@
 #include "tools/brittle/recipe/recipe.h"
 #include "tools/brittle/recipe/world_json.h"
 #include "tools/brittle/run/scene_cache.h"
+#include "tools/brittle/run/scene_glue.h"
 
 namespace brittle::tools {
 
@@ -164,6 +165,19 @@ fracture::Box box_in_world(const TriangleMesh& mesh, const physics::Pose& placem
     return mesh.positions.empty() ? fracture::Box{} : box;
 }
 
+// The objects of a level are known only now, and an object may have become fixed.
+void check_glue(const LoadedScene& scene) {
+    for (size_t k = 0; k < scene.glue.size(); ++k)
+        for (const LoadedObject& object : scene.objects)
+            for (const int side : {0, 1}) {
+                const Glue& glue = scene.glue[k];
+                if (!fits_pattern(side == 0 ? glue.first : glue.second, object.object.name)) continue;
+                if (const std::string refusal = refusal_of_glue(object.object); !refusal.empty())
+                    throw Failure(exit_input,
+                                  "/glue/" + std::to_string(k) + "/between/" + std::to_string(side) + ": " + refusal);
+            }
+}
+
 } // namespace
 
 std::vector<std::string> expand_level(FractureOptions& scene) {
@@ -187,7 +201,7 @@ void find_home(LoadedScene& scene) {
 
 LoadedScene load_scene(const FractureOptions& scene, SceneCache* cache) {
     const InterruptDeadline deadline;
-    LoadedScene loaded{.world = scene.world, .threads = scene.threads};
+    LoadedScene loaded{.glue = scene.glue, .world = scene.world, .threads = scene.threads};
     loaded.world.height = 0.0;
     SceneCache own;
     auto& [files, meshes, prepared] = cache ? *cache : own;
@@ -209,6 +223,7 @@ LoadedScene load_scene(const FractureOptions& scene, SceneCache* cache) {
             throw Failure(failure.code(), "object " + object.name + ": " + failure.what());
         }
     }
+    check_glue(loaded);
     find_home(loaded);
     if (!cache) return loaded;
     std::set<std::string> used{scene.level.mesh};
@@ -361,6 +376,8 @@ std::vector<PreparedObject> prepare_scene(LoadedScene& scene, const physics::Pay
         if (!work[k].fault.empty()) scene.notes.push_back(note_of(scene.objects[k].object, work[k].fault));
         objects.push_back(std::move(*work[k].made));
     }
+    const std::vector<std::string> notes = find_glue(scene, objects);
+    scene.notes.insert(scene.notes.end(), notes.begin(), notes.end());
     return objects;
 }
 

@@ -37,6 +37,7 @@ struct LoadedObject {
 
 struct LoadedScene {
     std::vector<LoadedObject> objects{};
+    std::vector<Glue> glue{};         // of the recipe
     WorldOptions world{};             // the members that concern no single object
     uint32_t threads = 0;             // 0: one per core
     fracture::Box home{};             // around all objects that are not fixed; around all where none moves

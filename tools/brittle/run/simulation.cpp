@@ -14,6 +14,7 @@
 #include "physics/world/pieces.h"
 #include "physics/world/state_hash.h"
 #include "tools/brittle/base/failure.h"
+#include "tools/brittle/run/scene_glue.h"
 
 namespace brittle::tools {
 
@@ -109,9 +110,14 @@ void Simulation::start(std::vector<PreparedObject> objects, const WorldOptions& 
     start_world(world);
     destruction_.emplace(physics::DestructionSettings{.timing = timing_, .debris = {.max_pieces = world.piece_limit}});
     destruction_->follow(script_);
-    for (PreparedObject& object : objects) {
+    std::map<uint32_t, std::vector<uint32_t>> groups = glued_groups(objects);
+    std::map<uint32_t, GluedPart> glued; // by object
+    for (uint32_t k = 0; k < objects.size(); ++k) {
+        PreparedObject& object = objects[k];
         try {
-            add_breakable(object);
+            if (const auto group = groups.find(k); group != groups.end()) assemble(objects, group->second, glued);
+            const auto part = glued.find(k);
+            add_breakable(object, part == glued.end() ? nullptr : &part->second);
         } catch (const Failure& failure) {
             if (object.name.empty()) throw;
             throw Failure(failure.code(), object.name + ": " + failure.what());
@@ -129,12 +135,46 @@ void Simulation::run_from(std::span<const PreparedObject> objects, const WorldOp
                  Shoot{shot.from, shot.velocity, shot.radius, shot.density});
 }
 
-void Simulation::add_breakable(PreparedObject& object) {
+// Makes the structure of objects that are glued to each other. The other side of glue to a fixed object is a support.
+void Simulation::assemble(std::span<const PreparedObject> objects, std::span<const uint32_t> group,
+                          std::map<uint32_t, GluedPart>& glued) {
+    std::vector<physics::AssemblyPart> parts;
+    std::vector<physics::GlueBond> bonds;
+    std::map<uint32_t, uint32_t> part_of;
+    for (const uint32_t k : group) {
+        const PreparedObject& object = objects[k];
+        part_of[k] = static_cast<uint32_t>(parts.size());
+        physics::AssemblyPart& part = parts.emplace_back();
+        part.fragments = object.fragments.get();
+        part.desc = structure_desc(object);
+        for (const physics::SolidPtr& solid : object.bodies.solids) part.desc.piece_parts.push_back(solid->parts);
+        for (const PreparedGlue& contact : object.glue) {
+            const PreparedObject& other = objects[contact.other];
+            physics::GlueBond& bond = bonds.emplace_back();
+            bond.a = {part_of[k], contact.piece};
+            bond.area = contact.area;
+            bond.centroid = contact.centroid;
+            bond.normal = contact.normal;
+            bond.strength = contact.strength;
+            if (!other.fixed())
+                bond.b = physics::GlueBond::Side{part_of.at(contact.other), contact.other_piece};
+            else if (!other.material.empty())
+                bond.fixed_material = flawed_material(other);
+        }
+    }
+    const physics::AssemblyId assembly = must(destruction_->assemble(world_, parts, bonds));
+    for (const uint32_t k : group) glued[k] = {assembly, part_of[k]};
+}
+
+void Simulation::add_breakable(PreparedObject& object, const GluedPart* glued) {
     const physics::BreakableDesc desc = breakable_desc(object, payload_);
     std::vector<physics::PayloadPtr>& payloads = object.bodies.payloads;
     members_.push_back({object.name, physics::material_preset(object.material), object.placement, object.fixed()});
     std::optional<physics::ObjectId> first;
-    if (object.world.bonded) {
+    if (glued) {
+        first =
+            destruction_->add(world_, glued->assembly, glued->part, desc, object.bodies.solids, std::move(payloads));
+    } else if (object.world.bonded) {
         first = must(destruction_->add(world_, *object.fragments, structure_desc(object), desc, object.bodies.solids,
                                        std::move(payloads)));
     } else {
@@ -234,8 +274,8 @@ template<class Self>
 auto Simulation::structures_of(Self& self) -> std::vector<decltype(&*self.structure_)> {
     std::vector<decltype(&*self.structure_)> found;
     if (self.structure_) found.push_back(&*self.structure_);
-    for (const physics::ObjectId object : self.first_objects_)
-        if (auto* structure = self.destruction_->structure(object)) found.push_back(structure);
+    if (self.destruction_)
+        for (auto* structure : self.destruction_->structures()) found.push_back(structure);
     return found;
 }
 
@@ -283,9 +323,9 @@ std::vector<uint32_t> Simulation::pieces_of(BodyId body) const {
 }
 
 Pose Simulation::pose_of(uint32_t piece) const {
+    if (destruction_) return destruction_->pose(world_, {piece});
     Pose pose = world_.pose(body_of(piece));
-    if (const physics::Structure* structure = structure_of(*this, piece))
-        pose.position += pose.orientation * structure->offset(index_in_structure(piece));
+    if (structure_) pose.position += pose.orientation * structure_->offset(piece);
     return pose;
 }
 

@@ -21,6 +21,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -161,6 +162,10 @@ class Simulation {
         JointOptions options;
         std::optional<uint32_t> a{}, b{}; // none: a ball; the world
     };
+    struct GluedPart { // of an object that is glued to others
+        physics::AssemblyId assembly;
+        uint32_t part = 0;
+    };
     void start_joints(std::span<const PreparedObject> objects, const WorldOptions& options);
     void join(const PlacedJoint& joint, physics::BodyId a);
     void join_shot(const glm::dvec3& at);
@@ -175,7 +180,9 @@ class Simulation {
     static auto structure_of(Self& self, uint32_t piece) -> decltype(&*self.structure_); // null for a piece outside
     [[nodiscard]] uint32_t index_in_structure(uint32_t piece) const;                     // precondition: it is in one
     void start_world(const WorldOptions& options);
-    void add_breakable(PreparedObject& object);
+    void add_breakable(PreparedObject& object, const GluedPart* glued);
+    void assemble(std::span<const PreparedObject> objects, std::span<const uint32_t> group,
+                  std::map<uint32_t, GluedPart>& glued);
     void run_from(std::span<const PreparedObject> objects, const WorldOptions& options);
     void after_step();
     void apply_due();

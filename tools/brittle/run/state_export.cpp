@@ -38,18 +38,22 @@ std::vector<Snapshot::Piece> pieces_there(const Simulation& simulation, size_t w
 std::vector<fracture::Bond> bonds_that_hold(const Simulation& simulation, const std::vector<Snapshot::Piece>& pieces) {
     std::vector<fracture::Bond> bonds;
     const physics::Structure* structure = nullptr;
-    std::map<uint32_t, uint32_t> at; // index into `pieces` by number in the structure
+    physics::PartPlacement placement; // glued objects share a structure
+    std::map<uint32_t, uint32_t> at;  // index into `pieces` by number in the structure
     for (uint32_t k = 0; k < pieces.size(); ++k) {
         const auto [own, number] = simulation.bonds_of(pieces[k].number);
         if (!own) continue;
         structure = own;
+        if (const physics::Destruction* destruction = simulation.destruction())
+            placement = destruction->placement_in_structure(destruction->object({pieces[k].number}));
         at[number] = k;
     }
     if (!structure) return bonds;
     for (const physics::BondGraph::Bond& bond : structure->graph().bonds()) {
         const auto a = at.find(bond.a), b = at.find(bond.b);
         if (bond.live() && a != at.end() && b != at.end())
-            bonds.push_back({a->second, b->second, bond.area, bond.centroid, bond.normal});
+            bonds.push_back({a->second, b->second, bond.area, placement.to_part(bond.centroid),
+                             glm::conjugate(placement.turn) * bond.normal});
     }
     return bonds;
 }

@@ -133,13 +133,14 @@ struct Applier {
     void operator()(const ClearStrikes&) const { recipe.strikes.clear(); }
     void operator()(const SetObjects& edit) const {
         if (edit.objects.empty()) return;
-        recipe.objects = edit.objects;
+        const std::vector<SceneObject> before = std::exchange(recipe.objects, edit.objects);
         std::set<std::string> names;
         for (SceneObject& object : recipe.objects) {
             const std::string name = object.name;
             for (int number = 2; !names.insert(object.name).second; ++number)
                 object.name = name + " " + std::to_string(number);
         }
+        follow_objects(recipe.glue, before, recipe.objects);
     }
     void operator()(const SetRecipe& edit) const { recipe = edit.recipe; }
 };

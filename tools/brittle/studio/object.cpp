@@ -11,6 +11,7 @@
 #include "fracture/mesh/topology.h"
 #include "tools/brittle/base/failure.h"
 #include "tools/brittle/recipe/recipe.h"
+#include "tools/brittle/run/scene_glue.h"
 #include "tools/brittle/run/stage.h"
 
 namespace brittle::tools {
@@ -40,6 +41,7 @@ std::string all_but_places(const FractureOptions& options) {
     scene.units = options.units;
     scene.piece_scale = options.piece_scale;
     scene.objects = options.objects;
+    scene.glue = options.glue;
     for (SceneObject& object : scene.objects) {
         object.placement.translation = glm::dvec3(0.0);
         object.placement.rotation = glm::dvec3(0.0);
@@ -155,6 +157,7 @@ std::vector<PreparedObject> parts_of(const Object& object, const engine::Rendere
     const physics::PayloadMaker payload = payload_maker(renderer);
     std::vector<PreparedObject> parts;
     for (const PreparedObject& part : object.parts()) parts.push_back(copy_of(part, payload, threads));
+    if (object.is_scene()) (void)find_glue(object.scene(), parts);
     return parts;
 }
 

@@ -53,6 +53,7 @@ std::string subject_of(const FractureOptions& options) {
     only.units = options.units;
     only.piece_scale = options.piece_scale;
     only.objects = options.objects;
+    only.glue = options.glue;
     return recipe_json(only);
 }
 
