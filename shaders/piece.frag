@@ -5,5 +5,5 @@
 void main() {
     discard_faded(albedo.a);
     vec3 normal = flat_normal();
-    light_piece(normal, normal);
+    light_piece(albedo.rgb, normal, normal);
 }

@@ -22,10 +22,9 @@ vec3 flat_normal() {
 
 // Writes the shaded colour. `facet` is the triangle's normal, which offsets the shadow test; `normal` is the shading
 // normal.
-void light_piece(vec3 facet, vec3 normal) {
+void light_piece(vec3 reflected, vec3 facet, vec3 normal) {
     float height = from_eye.y + frame.eye.y - frame.ground.w;
-    colour = display(
-        shade(albedo.rgb, normal, sun_visibility(from_eye, facet), height, sky_visibility(from_eye)));
+    colour = display(shade(reflected, normal, sun_visibility(from_eye, facet), height, sky_visibility(from_eye)));
 }
 
 #endif

@@ -27,6 +27,10 @@ const uint binding_commands = 4;          // DrawCommand, one for each draw rang
 const uint binding_culled_for_camera = 5; // DrawCommand, with zero instances for ranges outside the view
 const uint binding_culled_for_light = 6;
 const uint binding_visible_counts = 7; // uint, view_count: pieces in view
+// Descriptor set 2: the materials of meshes, for pieces drawn with them.
+const uint binding_mesh_materials = 0; // MeshMaterial
+const uint binding_base_colours = 1;   // layers of base colour textures
+const uint binding_normal_maps = 2;    // layers of normal maps
 // Descriptor set 1: an image from an earlier pass.
 const uint binding_image = 0; // in the occlusion pass, the depth image; in the shade pass, the result of occlusion
 
@@ -34,6 +38,7 @@ const uint binding_image = 0; // in the occlusion pass, the depth image; in the 
 const uint constant_soft_shadows = 0;      // bool: 16 shadow taps instead of 1
 const uint constant_ambient_occlusion = 1; // bool: binding_image holds the visible share of the sky
 const uint constant_fading = 2;            // bool: pixels of fading pieces are discarded; fade.glsl
+const uint constant_cut_out = 3;           // bool: pixels that a material cuts out are discarded; mesh_material.glsl
 
 const uint cull_group_size = 64;
 const uint view_camera = 0;
@@ -45,6 +50,22 @@ const uint material_exterior = 0;
 const uint material_interior = 1;
 const uint max_surfaces = 16; // of a scene
 const uint material_count = 2 * max_surfaces;
+
+// The grain of fracture surfaces (grain.glsl), in place of the weight of the tint where pieces have their materials.
+const uint grain_plain = 0;
+const uint grain_glass = 1;
+const uint grain_stone = 2;
+const uint grain_concrete = 3;
+const uint grain_wood = 4;
+const uint grain_ceramic = 5;
+const uint grain_brick = 6;
+
+// Bits of MeshMaterial::flags.
+const uint wrap_clamp = 1;   // of u; shifted by wrap_bits, of v
+const uint wrap_mirror = 2;  // of u; neither: repeat
+const uint wrap_bits = 2;    // a coordinate
+const uint alpha_mask = 16;  // pixels below the cutoff are cut out
+const uint alpha_blend = 32; // a share of pixels is cut out by the pattern of fade.glsl
 
 // "Eye space" here has the eye as its origin and the axes of world space, so that near geometry keeps its precision far
 // from the world's origin.
@@ -64,8 +85,9 @@ struct FrameData {
     vec4 ground_disc;       // centre x and z in the world; radii at which the ground begins and ends to fade, metres
     vec4 background_top;    // rgb; w: exposure
     vec4 background_bottom; // rgb
-    vec4 occlusion;         // search radius, metres; pixels per metre at a distance of one metre; sine of the elevation
-                            // from which a sample occludes; strength
+    vec4 cuts; // 1 + layer of the texture of fracture surfaces, or 0; 1 for smooth shading, of pieces with materials
+    vec4 occlusion; // search radius, metres; pixels per metre at a distance of one metre; sine of the elevation
+                    // from which a sample occludes; strength
 };
 
 struct Pose {
@@ -80,6 +102,20 @@ struct DrawData {
     uint id;     // what a picture of ids shows
     vec4 sphere; // bounding sphere of the piece in its body's frame: centre, radius
     vec4 offset; // xyz: from the body's centre of mass to the origin of the positions, in the body's frame
+    vec4 object; // xyz: centre of mass in the object; w: 1 + first material of the object's mesh, or 0
+};
+
+// A material of a mesh. Layers are those of the bindings of set 2.
+struct MeshMaterial {
+    vec4 colour;       // linear, with opacity; factor of texture and vertex colour
+    uint base_layer;   // 1 + layer of the base colour texture, or 0
+    uint normal_layer; // 1 + layer of the normal map, or 0
+    uint base_flags;   // bits of wrap_* and alpha_*
+    uint normal_flags; // bits of wrap_*
+    vec4 numbers;      // alpha cutoff; scale of the normal map
+    vec4 base_uv;      // matrix of the texture coordinates, column by column
+    vec4 normal_uv;
+    vec4 uv_offset; // added to the products: xy of the base colours, zw of the normal map
 };
 
 struct DrawCommand { // VkDrawIndexedIndirectCommand
@@ -91,9 +127,10 @@ struct DrawCommand { // VkDrawIndexedIndirectCommand
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(FrameData) == 4 * 64 + (11 + material_count) * 16);
+static_assert(sizeof(FrameData) == 4 * 64 + (12 + material_count) * 16);
 static_assert(sizeof(Pose) == 32);
-static_assert(sizeof(DrawData) == 48);
+static_assert(sizeof(DrawData) == 64);
+static_assert(sizeof(MeshMaterial) == 96);
 static_assert(sizeof(DrawCommand) == 20);
 } // namespace brittle::engine::shared
 #endif

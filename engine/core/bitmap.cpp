@@ -1,6 +1,7 @@
 #include "engine/core/bitmap.h"
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <climits>
 #include <cstdio>
@@ -72,6 +73,40 @@ Result<Bitmap> read_png(const std::string& path) {
     if (!pixels) return file_error("cannot read", path, "the file is damaged or not a PNG");
     Bitmap image{static_cast<uint32_t>(width), static_cast<uint32_t>(height), {}};
     image.pixels.assign(pixels.get(), pixels.get() + size_t{4} * image.width * image.height);
+    return image;
+}
+
+Result<Bitmap> decode_image(std::span<const std::byte> bytes, uint64_t max_pixels) {
+    // stb reads other formats, too, whose readers have had more faults.
+    constexpr std::array<uint8_t, 8> png = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
+    constexpr std::array<uint8_t, 3> jpeg = {0xff, 0xd8, 0xff};
+    const auto begins_with = [&](std::span<const uint8_t> start) {
+        return bytes.size() >= start.size() && std::memcmp(bytes.data(), start.data(), start.size()) == 0;
+    };
+    if (!begins_with(png) && !begins_with(jpeg))
+        return Error{Status::invalid_argument, "it is neither a PNG nor a JPEG image"};
+    if (bytes.size() > INT_MAX) return Error{Status::invalid_argument, "its file is larger than 2 GiB"};
+    const auto* data = reinterpret_cast<const stbi_uc*>(bytes.data());
+    const int size = static_cast<int>(bytes.size());
+    // A reason of two or three words, such as "too large".
+    const auto undecoded = [] {
+        const char* reason = stbi_failure_reason();
+        return Error{Status::invalid_argument, std::string("it is damaged or too large to decode")
+                                                   + (reason ? std::string(" (") + reason + ")" : "")};
+    };
+    int width = 0, height = 0, channels = 0;
+    if (!stbi_info_from_memory(data, size, &width, &height, &channels) || width <= 0 || height <= 0) return undecoded();
+    const uint64_t pixels = uint64_t{static_cast<uint32_t>(width)} * static_cast<uint32_t>(height);
+    if (pixels > max_pixels)
+        return Error{Status::invalid_argument, "it has " + std::to_string(width) + " x " + std::to_string(height)
+                                                   + " pixels, and at most " + std::to_string(max_pixels)
+                                                   + " are decoded; make it smaller"};
+    const std::unique_ptr<stbi_uc, void (*)(void*)> decoded(
+        stbi_load_from_memory(data, size, &width, &height, &channels, 4), stbi_image_free);
+    if (!decoded || uint64_t{static_cast<uint32_t>(width)} * static_cast<uint32_t>(height) != pixels)
+        return undecoded();
+    Bitmap image{static_cast<uint32_t>(width), static_cast<uint32_t>(height), {}};
+    image.pixels.assign(decoded.get(), decoded.get() + 4 * pixels);
     return image;
 }
 

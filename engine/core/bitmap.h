@@ -6,7 +6,9 @@
 //     if (!compare_bitmaps(actual, *expected).within_tolerance) (void)write_png(actual, "actual.png");
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -32,6 +34,10 @@ struct Bitmap {
 // Reads a PNG file of 8 bits a channel. Grey and palette images become RGBA; a missing alpha channel becomes opaque.
 // Fails with file_error.
 [[nodiscard]] Result<Bitmap> read_png(const std::string& path);
+
+// Decodes a PNG or JPEG image. Fails with invalid_argument on other or damaged data, and on an image of more pixels,
+// which is not decoded; the message names neither file nor image.
+[[nodiscard]] Result<Bitmap> decode_image(std::span<const std::byte> bytes, uint64_t max_pixels);
 
 // The allowed difference between two images of one scene. The defaults suit one driver on different machines, where
 // only the rounding of library functions differs. Two drivers round differently everywhere and put edges on either

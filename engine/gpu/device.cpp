@@ -187,6 +187,8 @@ void Device::create_device() {
     vkGetPhysicalDeviceFeatures(physical_, &optional);
     line_mode_ = optional.fillModeNonSolid;
     features.all.features.fillModeNonSolid = optional.fillModeNonSolid;
+    anisotropy_ = optional.samplerAnisotropy && !is_hidden(faults_, "samplerAnisotropy");
+    features.all.features.samplerAnisotropy = anisotropy_;
     multi_draw_ = optional.multiDrawIndirect && !is_hidden(faults_, "multiDrawIndirect");
     features.all.features.multiDrawIndirect = multi_draw_;
 

@@ -89,6 +89,7 @@ class Device {
     // Optional features, enabled where the device has them.
     [[nodiscard]] bool has_multi_draw() const { return multi_draw_; } // multiDrawIndirect
     [[nodiscard]] bool has_line_mode() const { return line_mode_; }   // fillModeNonSolid
+    [[nodiscard]] bool has_anisotropy() const { return anisotropy_; } // samplerAnisotropy
     [[nodiscard]] bool has_ballots() const { return ballots_; }       // subgroup ballots in compute shaders
     [[nodiscard]] bool can_present() const { return can_present_; }   // surface and swapchain extensions
 
@@ -139,6 +140,7 @@ class Device {
     bool can_present_ = false;
     bool multi_draw_ = false;
     bool line_mode_ = false;
+    bool anisotropy_ = false;
     bool ballots_ = false;
     bool debug_utils_ = false;
     PFN_vkSetDebugUtilsObjectNameEXT set_name_ = nullptr;

@@ -52,13 +52,13 @@ VkDeviceMemory allocate_memory(const Device& device, uint64_t size, uint32_t all
     return memory;
 }
 
-VkImageView create_view(VkDevice device, VkImage image, VkFormat format) {
+VkImageView create_view(VkDevice device, VkImage image, VkFormat format, VkImageViewType type) {
     const bool depth = format == VK_FORMAT_D32_SFLOAT;
     const VkImageAspectFlags aspect = depth ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT;
     const VkImageViewCreateInfo info{
         .sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
         .image = image,
-        .viewType = VK_IMAGE_VIEW_TYPE_2D,
+        .viewType = type,
         .format = format,
         .subresourceRange = {aspect, 0, VK_REMAINING_MIP_LEVELS, 0, VK_REMAINING_ARRAY_LAYERS}};
     VkImageView view = VK_NULL_HANDLE;
@@ -107,16 +107,16 @@ void DeviceBuffer::swap(DeviceBuffer& other) noexcept {
     std::swap(mapped_, other.mapped_);
 }
 
-DeviceImage::DeviceImage(const Device& device, const char* name, VkExtent2D extent, VkFormat format,
+DeviceImage::DeviceImage(const Device& device, const char* name, const ImageShape& shape, VkFormat format,
                          VkImageUsageFlags usage) {
     DeviceImage made;
     made.device_ = device.handle();
     const VkImageCreateInfo info{.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
                                  .imageType = VK_IMAGE_TYPE_2D,
                                  .format = format,
-                                 .extent = {extent.width, extent.height, 1},
-                                 .mipLevels = 1,
-                                 .arrayLayers = 1,
+                                 .extent = {shape.extent.width, shape.extent.height, 1},
+                                 .mipLevels = shape.levels,
+                                 .arrayLayers = std::max(shape.layers, 1u),
                                  .samples = VK_SAMPLE_COUNT_1_BIT,
                                  .tiling = VK_IMAGE_TILING_OPTIMAL,
                                  .usage = usage,
@@ -129,7 +129,8 @@ DeviceImage::DeviceImage(const Device& device, const char* name, VkExtent2D exte
     vkGetImageMemoryRequirements(device.handle(), made.image_, &needs);
     made.memory_ = allocate_memory(device, needs.size, needs.memoryTypeBits, MemoryKind::device);
     check(vkBindImageMemory(device.handle(), made.image_, made.memory_, 0), "bind an image's memory");
-    made.view_ = create_view(device.handle(), made.image_, format);
+    made.view_ = create_view(device.handle(), made.image_, format,
+                             shape.layers > 0 ? VK_IMAGE_VIEW_TYPE_2D_ARRAY : VK_IMAGE_VIEW_TYPE_2D);
     swap(made);
 }
 

@@ -55,11 +55,19 @@ class DeviceBuffer {
     std::byte* mapped_ = nullptr;
 };
 
+// The levels and layers of an image; with layers, it is an array.
+struct ImageShape {
+    VkExtent2D extent{};
+    uint32_t levels = 1;
+    uint32_t layers = 0; // 0: no array
+};
+
 // A 2D image in device memory, with a view of the whole image.
 class DeviceImage {
   public:
     DeviceImage() = default;
-    DeviceImage(const Device& device, const char* name, VkExtent2D extent, VkFormat format, VkImageUsageFlags usage);
+    DeviceImage(const Device& device, const char* name, const ImageShape& shape, VkFormat format,
+                VkImageUsageFlags usage);
     ~DeviceImage();
     DeviceImage(DeviceImage&& other) noexcept { swap(other); }
     DeviceImage& operator=(DeviceImage&& other) noexcept {
@@ -84,6 +92,7 @@ class DeviceImage {
 [[nodiscard]] VkDeviceMemory allocate_memory(const Device& device, uint64_t size, uint32_t allowed, MemoryKind kind);
 
 // Creates a view of every mip level and layer, of the depth aspect for a depth format and of colour otherwise.
-[[nodiscard]] VkImageView create_view(VkDevice device, VkImage image, VkFormat format);
+[[nodiscard]] VkImageView create_view(VkDevice device, VkImage image, VkFormat format,
+                                      VkImageViewType type = VK_IMAGE_VIEW_TYPE_2D);
 
 } // namespace brittle::engine

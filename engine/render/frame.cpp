@@ -10,6 +10,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "engine/gpu/check.h"
+#include "engine/render/materials.h"
 
 namespace brittle::engine {
 
@@ -70,9 +71,21 @@ void FrameLayout::create(uint32_t frame_sets, uint32_t image_sets) {
         .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO, .bindingCount = 1, .pBindings = &image};
     check(vkCreateDescriptorSetLayout(device_.handle(), &image_layout, nullptr, &image_set_layout_),
           "create a descriptor set layout");
-    const VkDescriptorSetLayout set_layouts[] = {frame_set_layout_, image_set_layout_};
-    const VkPipelineLayoutCreateInfo layout{
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO, .setLayoutCount = 2, .pSetLayouts = set_layouts};
+    constexpr VkDescriptorType sampled = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
+    const VkDescriptorSetLayoutBinding of_materials[] = {
+        {shared::binding_mesh_materials, storage, 1, VK_SHADER_STAGE_FRAGMENT_BIT, nullptr},
+        {shared::binding_base_colours, sampled, 1, VK_SHADER_STAGE_FRAGMENT_BIT, nullptr},
+        {shared::binding_normal_maps, sampled, 1, VK_SHADER_STAGE_FRAGMENT_BIT, nullptr}};
+    const VkDescriptorSetLayoutCreateInfo material_layout{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
+                                                          .bindingCount =
+                                                              static_cast<uint32_t>(std::size(of_materials)),
+                                                          .pBindings = of_materials};
+    check(vkCreateDescriptorSetLayout(device_.handle(), &material_layout, nullptr, &material_set_layout_),
+          "create a descriptor set layout");
+    const VkDescriptorSetLayout set_layouts[] = {frame_set_layout_, image_set_layout_, material_set_layout_};
+    const VkPipelineLayoutCreateInfo layout{.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
+                                            .setLayoutCount = static_cast<uint32_t>(std::size(set_layouts)),
+                                            .pSetLayouts = set_layouts};
     check(vkCreatePipelineLayout(device_.handle(), &layout, nullptr, &layout_), "create a pipeline layout");
 
     const VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, frame_sets},
@@ -90,21 +103,26 @@ void FrameLayout::destroy() {
     vkDestroyPipelineLayout(device_.handle(), layout_, nullptr);
     vkDestroyDescriptorSetLayout(device_.handle(), frame_set_layout_, nullptr);
     vkDestroyDescriptorSetLayout(device_.handle(), image_set_layout_, nullptr);
+    vkDestroyDescriptorSetLayout(device_.handle(), material_set_layout_, nullptr);
     vkDestroySampler(device_.handle(), image_sampler_, nullptr);
     vkDestroySampler(device_.handle(), shadow_sampler_, nullptr);
 }
 
 VkDescriptorSet FrameLayout::allocate_frame() const {
-    return allocate(frame_set_layout_);
+    return allocate(pool_, frame_set_layout_);
 }
 
 VkDescriptorSet FrameLayout::allocate_image() const {
-    return allocate(image_set_layout_);
+    return allocate(pool_, image_set_layout_);
 }
 
-VkDescriptorSet FrameLayout::allocate(VkDescriptorSetLayout set_layout) const {
+VkDescriptorSet FrameLayout::allocate_materials(VkDescriptorPool pool) const {
+    return allocate(pool, material_set_layout_);
+}
+
+VkDescriptorSet FrameLayout::allocate(VkDescriptorPool pool, VkDescriptorSetLayout set_layout) const {
     const VkDescriptorSetAllocateInfo info{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO,
-                                           .descriptorPool = pool_,
+                                           .descriptorPool = pool,
                                            .descriptorSetCount = 1,
                                            .pSetLayouts = &set_layout};
     VkDescriptorSet set = VK_NULL_HANDLE;
@@ -154,6 +172,32 @@ void FrameLayout::update(VkDescriptorSet set, VkImageView image) const {
     vkUpdateDescriptorSets(device_.handle(), 1, &write, 0, nullptr);
 }
 
+void FrameLayout::update(VkDescriptorSet set, const MaterialBindings& bindings) const {
+    const VkDescriptorBufferInfo materials{bindings.materials, 0, VK_WHOLE_SIZE};
+    const VkDescriptorImageInfo images[] = {
+        {bindings.sampler, bindings.base_colours, VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL},
+        {bindings.sampler, bindings.normal_maps, VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL}};
+    const VkWriteDescriptorSet writes[] = {{.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
+                                            .dstSet = set,
+                                            .dstBinding = shared::binding_mesh_materials,
+                                            .descriptorCount = 1,
+                                            .descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
+                                            .pBufferInfo = &materials},
+                                           {.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
+                                            .dstSet = set,
+                                            .dstBinding = shared::binding_base_colours,
+                                            .descriptorCount = 1,
+                                            .descriptorType = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
+                                            .pImageInfo = &images[0]},
+                                           {.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
+                                            .dstSet = set,
+                                            .dstBinding = shared::binding_normal_maps,
+                                            .descriptorCount = 1,
+                                            .descriptorType = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
+                                            .pImageInfo = &images[1]}};
+    vkUpdateDescriptorSets(device_.handle(), static_cast<uint32_t>(std::size(writes)), writes, 0, nullptr);
+}
+
 namespace {
 
 struct ShadowFit {
@@ -198,7 +242,7 @@ VkRect2D pixel_rect(const Region& region, VkExtent2D size, int32_t margin) {
     return {{low.x, low.y}, {static_cast<uint32_t>(high.x - low.x), static_cast<uint32_t>(high.y - low.y)}};
 }
 
-shared::FrameData frame_data(const Scene& scene, const View& view) {
+shared::FrameData frame_data(const Scene& scene, const View& view, const Materials* materials) {
     const CameraMatrices camera = matrices(scene.camera, view.aspect, scene.bounds);
     const glm::vec3 eye(glm::inverse(camera.view)[3]);
     const glm::mat4 eye_to_world = glm::translate(glm::mat4(1.0f), eye);
@@ -245,13 +289,16 @@ shared::FrameData frame_data(const Scene& scene, const View& view) {
         .ground_disc = {scene.camera.target.x, scene.camera.target.z, fade_begin * reach, fade_end * reach},
         .background_top = {look.background_top, look.exposure},
         .background_bottom = {look.background_bottom, 0.0f},
+        .cuts = {materials ? static_cast<float>(materials->cut_layer()) : 0.0f, scene.smooth ? 1.0f : 0.0f, 0.0f, 0.0f},
         .occlusion = {occlusion_reach * height, pixels_a_metre, occlusion_bias, occlusion_strength}};
     for (uint32_t surface = 0; surface < shared::max_surfaces; ++surface) {
         const bool own = surface > 0 && surface <= scene.surfaces.size();
         const SurfaceLook from =
-            own ? scene.surfaces[surface - 1] : SurfaceLook{look.exterior, look.interior, look.tint};
-        data.materials[2 * surface + shared::material_exterior] = {from.exterior, from.tint};
-        data.materials[2 * surface + shared::material_interior] = {from.interior, 0.45f * from.tint};
+            own ? scene.surfaces[surface - 1] : SurfaceLook{look.exterior, look.interior, look.tint, look.grain};
+        const auto grain = static_cast<float>(from.grain);
+        data.materials[2 * surface + shared::material_exterior] = {from.exterior, materials ? 0.0f : from.tint};
+        data.materials[2 * surface + shared::material_interior] = {from.interior,
+                                                                   materials ? grain : 0.45f * from.tint};
     }
     return data;
 }
@@ -283,6 +330,20 @@ void read_pieces(const Frame& frame, PassBuilder& pass, Buffer commands) {
     pass.read(frame.vertices, Access::vertex_read);
     pass.read(frame.indices, Access::index_read);
     pass.read(commands, Access::indirect_read);
+}
+
+void read_materials(const Frame& frame, PassBuilder& pass) {
+    pass.read(frame.normals, Access::vertex_read);
+    pass.read(frame.corners, Access::vertex_read);
+}
+
+void bind_materials(const Frame& frame, const PassContext& context) {
+    const VkBuffer buffers[] = {context.buffer(frame.normals), context.buffer(frame.corners)};
+    const VkDeviceSize starts[] = {0, 0};
+    vkCmdBindVertexBuffers(context.commands, 1, 2, buffers, starts);
+    const VkDescriptorSet set = frame.materials->set();
+    vkCmdBindDescriptorSets(context.commands, VK_PIPELINE_BIND_POINT_GRAPHICS, frame.layout.pipeline_layout(), 2, 1,
+                            &set, 0, nullptr);
 }
 
 void draw_pieces(Frame& frame, const PassContext& context, Buffer commands, const PiecePipelines& pipelines) {

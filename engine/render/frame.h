@@ -20,8 +20,10 @@
 
 namespace brittle::engine {
 
+class Materials;
+
 // The descriptor layout of all graphics and culling shaders, with their samplers. Set 0 serves the whole frame; set 1
-// holds one image that a pass reads.
+// holds one image that a pass reads; set 2 holds the materials of meshes (materials.h).
 class FrameLayout {
   public:
     FrameLayout(const Device& device, uint32_t frame_sets, uint32_t image_sets); // throws VulkanFailure
@@ -32,6 +34,7 @@ class FrameLayout {
     [[nodiscard]] VkPipelineLayout pipeline_layout() const { return layout_; }
     [[nodiscard]] VkDescriptorSet allocate_frame() const;
     [[nodiscard]] VkDescriptorSet allocate_image() const;
+    [[nodiscard]] VkDescriptorSet allocate_materials(VkDescriptorPool pool) const;
 
     struct Bindings {
         VkBuffer frame, poses, draws;
@@ -39,13 +42,19 @@ class FrameLayout {
         VkDeviceSize commands_size; // bytes; the cull pass derives the number of commands from it
         VkImageView shadow;
     };
+    struct MaterialBindings {
+        VkBuffer materials;
+        VkImageView base_colours, normal_maps;
+        VkSampler sampler;
+    };
     // Write the descriptors of a set. No submitted frame may use the set.
     void update(VkDescriptorSet set, const Bindings& bindings) const;
     void update(VkDescriptorSet set, VkImageView image) const;
+    void update(VkDescriptorSet set, const MaterialBindings& bindings) const;
 
   private:
     void create(uint32_t frame_sets, uint32_t image_sets);
-    [[nodiscard]] VkDescriptorSet allocate(VkDescriptorSetLayout set_layout) const;
+    [[nodiscard]] VkDescriptorSet allocate(VkDescriptorPool pool, VkDescriptorSetLayout set_layout) const;
     void destroy();
 
     const Device& device_;
@@ -53,6 +62,7 @@ class FrameLayout {
     VkSampler image_sampler_ = VK_NULL_HANDLE;
     VkDescriptorSetLayout frame_set_layout_ = VK_NULL_HANDLE;
     VkDescriptorSetLayout image_set_layout_ = VK_NULL_HANDLE;
+    VkDescriptorSetLayout material_set_layout_ = VK_NULL_HANDLE;
     VkPipelineLayout layout_ = VK_NULL_HANDLE;
     VkDescriptorPool pool_ = VK_NULL_HANDLE;
 };
@@ -66,11 +76,13 @@ struct Frame {
     const FrameLayout& layout;
     VkDescriptorSet set;                      // set 0, bound for the whole frame
     VkDescriptorSet depth_set, occlusion_set; // for set 1; a pass writes and binds one with bind_image()
+    const Materials* materials = nullptr;     // in the view of materials; else null
     FrameStats stats;
     VkRect2D scissor{}; // the drawn pixels: Scene::region and, if the picture is upscaled, a margin
 
     // Imports. Those of the pieces are valid only if there is a draw range or an upload.
     Buffer uniforms, poses, vertices, normals, indices, draw_data, commands;
+    Buffer corners; // valid if the arena has any: in the view of materials, and with pieces that have some
     // The draw commands of each view: the output of the cull pass or, without it, all commands.
     Buffer camera_commands, light_commands;
     Buffer visible_counts; // number of visible pieces of each view; valid if there is a cull pass
@@ -113,8 +125,8 @@ struct View {
 // picture.
 [[nodiscard]] VkRect2D pixel_rect(const Region& region, VkExtent2D size, int32_t margin);
 
-// Returns the uniform data of a frame.
-[[nodiscard]] shared::FrameData frame_data(const Scene& scene, const View& view);
+// Returns the uniform data of a frame. `materials` is null unless the scene is drawn with them.
+[[nodiscard]] shared::FrameData frame_data(const Scene& scene, const View& view, const Materials* materials = nullptr);
 
 // For the passes that draw pieces: read_pieces() declares their reads, and draw_pieces() records the multi-draws of one
 // view's commands, first the solid pieces, then the fading ones. Without a pipeline for fading pieces, they are
@@ -124,6 +136,9 @@ struct PiecePipelines {
     const Pipeline& solid;
     const Pipeline* fading = nullptr; // its fragment shader discards pixels
 };
+// In the view of materials: bind set 2, normals and corner attributes for the pipelines of material_input.h.
+void read_materials(const Frame& frame, PassBuilder& pass);
+void bind_materials(const Frame& frame, const PassContext& context);
 void draw_pieces(Frame& frame, const PassContext& context, Buffer commands, const PiecePipelines& pipelines);
 
 // Where pieces touch, the interior face of one and the exterior face of another may have equal depth in a pixel of the

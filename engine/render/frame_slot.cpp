@@ -98,6 +98,7 @@ void import_pieces(Frame& frame, FrameSlot& slot, const Device& device) {
         frame.vertices = import("piece vertices", pieces.vertices(), Access::vertex_read);
         frame.normals = import("piece normals", pieces.normals(), Access::vertex_read);
         frame.indices = import("piece indices", pieces.indices(), Access::index_read);
+        if (pieces.corners().handle()) frame.corners = import("piece corners", pieces.corners(), Access::vertex_read);
     }
     if (frame.upload.staging_size > 0) {
         reserve(device, slot.staging, "staging", frame.upload.staging_size, VK_BUFFER_USAGE_TRANSFER_SRC_BIT);
@@ -123,7 +124,7 @@ FrameSlot::FrameSlot(const Device& device, const FrameLayout& layout)
       commands(device) {}
 
 void write_slot(FrameSlot& slot, const SlotSource& from, const Scene& scene) {
-    const shared::FrameData data = frame_data(scene, from.view);
+    const shared::FrameData data = frame_data(scene, from.view, from.materials);
     std::memcpy(slot.uniforms.mapped(), &data, sizeof data);
 
     write_poses(slot, from, scene);

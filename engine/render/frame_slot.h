@@ -42,7 +42,8 @@ struct SlotSource {
     const PieceArena& pieces;
     const Quality& quality; // every member is set
     View view;
-    VkImageView shadow; // the shadow map that the frame reads
+    VkImageView shadow;                   // the shadow map that the frame reads
+    const Materials* materials = nullptr; // in the view of materials
 };
 
 // Fills the slot's buffers and writes its descriptors. The device must have finished the slot's last frame.

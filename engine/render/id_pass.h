@@ -3,6 +3,7 @@
 
 #include "engine/gpu/pipeline.h"
 #include "engine/render/frame.h"
+#include "engine/render/material_input.h"
 
 namespace brittle::engine {
 
@@ -11,11 +12,16 @@ class IdPass {
     IdPass(const Device& device, VkPipelineLayout layout);
 
     // Declares the pass and returns its image: Format::r32_uint, one sample, PieceHandle::number or 0 in each pixel.
-    [[nodiscard]] Image declare(Frame& frame, VkExtent2D extent) const;
+    [[nodiscard]] Image declare(Frame& frame, VkExtent2D extent);
 
   private:
+    void make_material_pipelines();
+
+    const Device& device_;
+    VkPipelineLayout layout_;
     Pipeline pipeline_;
     Pipeline fading_;
+    MaterialPipelines materials_; // of materials that are cut out; `solid` is null
 };
 
 } // namespace brittle::engine

@@ -29,7 +29,8 @@ struct ArenaKind {
 constexpr std::array<ArenaKind, piece_arenas> kinds{
     {{"piece vertices", sizeof(glm::vec3), VK_BUFFER_USAGE_VERTEX_BUFFER_BIT},
      {"piece normals", sizeof(glm::vec3), VK_BUFFER_USAGE_VERTEX_BUFFER_BIT},
-     {"piece indices", sizeof(uint32_t), VK_BUFFER_USAGE_INDEX_BUFFER_BIT}}};
+     {"piece indices", sizeof(uint32_t), VK_BUFFER_USAGE_INDEX_BUFFER_BIT},
+     {"piece corners", sizeof(CornerLook), VK_BUFFER_USAGE_VERTEX_BUFFER_BIT}}};
 
 // Grows the capacity by at least `size`, and at least to twice its value, so that arenas are rarely moved when pieces
 // are added one by one. Returns false if that exceeds `limit`.
@@ -159,6 +160,8 @@ Result<std::vector<PieceHandle>> PieceArena::add(std::vector<PieceBatch> batches
             pieces.push_back(std::move(piece));
         }
     }
+    needs_corners_ =
+        needs_corners_ || std::ranges::any_of(pieces, [](const Piece& piece) { return piece.batch.has_corners; });
     grow_buffers(allocators);
     pending_ = pending_ || !handles.empty();
     pieces_ = std::move(pieces);
@@ -168,10 +171,17 @@ Result<std::vector<PieceHandle>> PieceArena::add(std::vector<PieceBatch> batches
     return handles;
 }
 
+void PieceArena::need_corners() {
+    if (needs_corners_) return;
+    needs_corners_ = true;
+    grow_buffers(allocators_);
+}
+
 // Grows the buffers to the allocators' capacities. This is the last step of add() that may throw.
 void PieceArena::grow_buffers(const Allocators& allocators) {
     const std::array<uint32_t, piece_arenas> capacity{allocators.vertices.capacity(), allocators.vertices.capacity(),
-                                                      allocators.indices.capacity()};
+                                                      allocators.indices.capacity(),
+                                                      needs_corners_ ? allocators.vertices.capacity() : 0};
     PieceBuffers larger;
     bool grown = false;
     for (size_t i = 0; i < piece_arenas; ++i) {
@@ -269,10 +279,14 @@ void PieceArena::write_piece(const Piece& piece, const DrawLists& lists, DrawCur
     const uint32_t id = attachment.id == 0 ? piece.handle.number : attachment.id;
     const glm::vec4 offset(attachment.offset, 0.0f);
     const uint32_t surface = std::min(attachment.surface, shared::max_surfaces - 1);
+    const auto first_material =
+        piece.batch.has_corners ? static_cast<float>(attachment.first_material + 1) : 0.0f; // exact below 2^24
+    const glm::vec4 object(attachment.centre, first_material);
     const auto add = [&](uint32_t indices, uint32_t first, uint32_t material) {
         if (indices == 0) return;
         lists.commands[next] = {indices, 1, first, static_cast<int32_t>(piece.vertex), next};
-        lists.data[next] = {attachment.body, 2 * surface + material, tint, id, piece.batch.sphere + offset, offset};
+        lists.data[next] = {attachment.body, 2 * surface + material, tint, id, piece.batch.sphere + offset, offset,
+                            object};
         ++next;
     };
     add(piece.batch.exterior_indices, piece.index, shared::material_exterior);
@@ -304,13 +318,14 @@ void PieceArena::write_draws(const DrawLists& lists, std::span<const BodyPose> p
 
 PieceArena::Slice PieceArena::slice_of(const Piece& piece, size_t arena) {
     const uint64_t element = kinds[arena].element;
-    const bool of_indices = arena == 2;
+    const bool of_indices = arena == index_arena;
+    if (arena == corner_arena && !piece.batch.has_corners) return {.to = 0, .size = 0};
     Slice slice{.to = element * (of_indices ? piece.index : piece.vertex),
                 .size = element * (of_indices ? piece.batch.indices() : piece.batch.vertices)};
     if (!piece.source) return slice;
-    const std::array<std::span<const std::byte>, piece_arenas> arrays{std::as_bytes(piece.source->positions()),
-                                                                      std::as_bytes(piece.source->normals()),
-                                                                      std::as_bytes(piece.source->indices())};
+    const std::array<std::span<const std::byte>, piece_arenas> arrays{
+        std::as_bytes(piece.source->positions()), std::as_bytes(piece.source->normals()),
+        std::as_bytes(piece.source->indices()), std::as_bytes(piece.source->corners())};
     const uint64_t first = element * (of_indices ? piece.batch.first_index : piece.batch.first_vertex);
     slice.bytes = arrays[arena].subspan(first, slice.size);
     for (size_t before = 0; before < arena; ++before) slice.from += arrays[before].size();

@@ -1,5 +1,5 @@
-// The geometry of all pieces on the device, in one arena each for positions, normals and indices, and the draw ranges
-// of the pieces.
+// The geometry of all pieces on the device, in one arena each for positions, normals, indices and attributes of
+// corners, and the draw ranges of the pieces.
 //
 // Pieces are added and removed without waiting for the device. The place of a piece is allocated at once. The next
 // frame copies its geometry in a pass of its own (upload_pass.h), so that the frame graph orders the copy after the
@@ -14,7 +14,7 @@
 // A piece has up to two consecutive draw ranges: exterior, then interior. Range i is instance i: its command has i as
 // first instance, and shaders find its body, material and tint in draws[i] (shaders/shared.h). The ranges of solid
 // pieces precede those of fading pieces; within each group, pieces are in the order of adding or from front to back.
-// Every change rebuilds the lists, at 68 bytes for each range. Not thread-safe.
+// Every change rebuilds the lists, at 84 bytes for each range. Not thread-safe.
 #pragma once
 
 #include <array>
@@ -36,8 +36,10 @@ namespace brittle::engine {
 
 class Device;
 
-// The arenas: positions and normals (glm::vec3), which have parallel elements, and indices (uint32_t).
-inline constexpr size_t piece_arenas = 3;
+// The arenas: positions and normals (glm::vec3), indices (uint32_t), and corner attributes (CornerLook). All but the
+// indices have parallel elements. The corner attributes have no memory until some are needed.
+inline constexpr size_t piece_arenas = 4;
+inline constexpr size_t index_arena = 2, corner_arena = 3;
 using PieceBuffers = std::array<DeviceBuffer, piece_arenas>;
 
 // The copies that the device must make before it draws from the arenas.
@@ -77,6 +79,9 @@ class PieceArena {
     [[nodiscard]] uint64_t triangles() const { return triangles_; }
     [[nodiscard]] uint64_t version() const { return version_; } // a number that changes when the draw lists change
 
+    // Makes the arena of corner attributes, for the view of materials. Throws VulkanFailure.
+    void need_corners();
+
     // The data and the command of each draw range; both spans have draws() elements.
     struct DrawLists {
         std::span<shared::DrawData> data;
@@ -90,6 +95,7 @@ class PieceArena {
     [[nodiscard]] const DeviceBuffer& vertices() const { return buffers_[0]; }
     [[nodiscard]] const DeviceBuffer& normals() const { return buffers_[1]; } // for smooth shading
     [[nodiscard]] const DeviceBuffer& indices() const { return buffers_[2]; }
+    [[nodiscard]] const DeviceBuffer& corners() const { return buffers_[corner_arena]; } // null until needed
     // The sources of PieceUpload::from_old, valid until uploaded(); null buffers where an arena has not grown.
     [[nodiscard]] const PieceBuffers& old_buffers() const { return old_; }
 
@@ -142,6 +148,7 @@ class PieceArena {
     PieceBuffers old_;                          // the buffers before growth, read by submitted frames; may be null
     std::array<bool, piece_arenas> resident_{}; // whether a submitted frame has written buffers_
     bool pending_ = false;                      // whether there is an upload to make
+    bool needs_corners_ = false;
     uint32_t last_handle_ = 0;
     uint32_t bodies_ = 0;
     uint32_t draws_ = 0;

@@ -33,14 +33,15 @@ class PieceBatch {
         uint32_t first_index, exterior_indices, interior_indices;
         glm::vec4 sphere; // bounding sphere in the frame of the positions: centre, radius
         PieceAttachment attachment;
+        bool has_corners = false; // with attributes of its own in corners()
 
         [[nodiscard]] uint32_t indices() const { return exterior_indices + interior_indices; }
     };
 
     PieceBatch() = default; // no pieces
 
-    // Copies the meshes. Fails with invalid_argument, and the piece's number, on an index out of range or more exterior
-    // triangles than triangles, and on more geometry than 32-bit offsets can address.
+    // Copies the meshes. Fails with invalid_argument, and the piece's number, on an index out of range, more exterior
+    // triangles than triangles or a wrong number of corners, and on more geometry than 32-bit offsets can address.
     [[nodiscard]] static Result<PieceBatch> create(std::span<const PieceMesh> pieces);
 
     [[nodiscard]] std::span<const Piece> pieces() const { return pieces_; }
@@ -48,8 +49,9 @@ class PieceBatch {
     [[nodiscard]] std::span<const glm::vec3> positions() const { return positions_; }
     [[nodiscard]] std::span<const glm::vec3> normals() const { return normals_; } // parallel to positions()
     [[nodiscard]] std::span<const uint32_t> indices() const { return indices_; }
+    [[nodiscard]] std::span<const CornerLook> corners() const { return corners_; } // parallel to positions(); or none
 
-    [[nodiscard]] uint64_t bytes() const; // size of the three arrays
+    [[nodiscard]] uint64_t bytes() const; // size of the four arrays
 
     // Attaches all pieces, for callers that create the batch before they know the body.
     void attach(const PieceAttachment& attachment);
@@ -62,12 +64,14 @@ class PieceBatch {
     struct Arrays {
         std::vector<glm::vec3> positions, normals;
         std::vector<uint32_t> indices;
+        std::vector<CornerLook> corners;
     };
     void add(const PieceMesh& piece, Arrays& arrays);
 
     std::vector<Piece> pieces_;
     std::span<const glm::vec3> positions_, normals_;
     std::span<const uint32_t> indices_;
+    std::span<const CornerLook> corners_;
     // The owner of the spans' memory; the other pointer is null.
     std::shared_ptr<const Arrays> arrays_;
     std::shared_ptr<const DeviceBuffer> staged_;

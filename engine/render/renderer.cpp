@@ -107,6 +107,17 @@ Result<void> Renderer::attach_pieces(std::span<const PieceHandle> handles, const
     });
 }
 
+Result<void> Renderer::set_materials(std::vector<std::shared_ptr<const MaterialSet>> sets) {
+    return state_->run([&]() -> Result<void> {
+        if (sets == state_->material_sets) return {};
+        state_->device.wait_idle();
+        state_->materials.reset();
+        state_->material_sets = std::move(sets);
+        state_->invalidate_shadow_map(); // cut-outs cast other shadows
+        return {};
+    });
+}
+
 uint32_t Renderer::body_count() const {
     return state_->pieces.bodies();
 }
@@ -174,7 +185,12 @@ Result<void> Renderer::warm_up() {
         const Format format = state_->swapchain ? state_->swapchain->format() : Format::rgba8_unorm;
         const Result<void> drawn = guarded([&]() -> Result<void> {
             if (Result<void> faded = state_->pieces.fade({&stand_ins->back(), 1}, 0.5f); !faded) return faded;
-            (void)state_->draw_off_screen(scene, {format, {16, 16}, state_->window_scale(scene)});
+            Scene drawn_scene = scene;
+            for (const bool materials : {false, true}) {
+                drawn_scene.materials = materials;
+                if (!materials || !state_->material_sets.empty())
+                    (void)state_->draw_off_screen(drawn_scene, {format, {16, 16}, state_->window_scale(scene)});
+            }
             return {};
         });
         state_->invalidate_shadow_map();

@@ -44,6 +44,7 @@
 #include "engine/core/result.h"
 #include "engine/gpu/device.h"
 #include "engine/graph/pass_time.h"
+#include "engine/render/material_set.h"
 #include "engine/render/piece_batch.h"
 #include "engine/render/quality.h"
 #include "engine/render/scene.h"
@@ -111,6 +112,9 @@ class Renderer {
     void stage(PieceBatch& batch) const;
     // Removes all pieces and adds these.
     [[nodiscard]] Result<std::vector<PieceHandle>> set_pieces(std::span<const PieceMesh> pieces);
+    // Sets the materials of meshes, for Scene::materials; those of the sets follow each other. Equal sets, by pointer,
+    // change nothing; others wait for the device. Textures are uploaded by the first frame that shows them.
+    [[nodiscard]] Result<void> set_materials(std::vector<std::shared_ptr<const MaterialSet>> sets);
     [[nodiscard]] uint32_t body_count() const; // one more than the largest PieceMesh::body; 0 without pieces
 
     // Draws one frame off screen and reads it back. Width and height are from 1 to the device's limit; other sizes fail
@@ -137,7 +141,8 @@ class Renderer {
     [[nodiscard]] bool ui_wants_keyboard() const;
 
     // Draws every pass but the UI's once into a tiny target, so that the driver compiles every shader now
-    // instead of in the first frame that needs it. Call it after attach(), for the window's format.
+    // instead of in the first frame that needs it; with set_materials(), those of materials, too. Call it after
+    // attach(), for the window's format.
     [[nodiscard]] Result<void> warm_up();
 
     // Returns the times of the newest frame that the device has finished; in a window, it is one or two frames old.

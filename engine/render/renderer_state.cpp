@@ -57,20 +57,30 @@ ShadowMap& Renderer::State::shadow_map_for(const Target& target) {
     return *small_shadow_map;
 }
 
+// Returns the materials for a scene that is drawn with them, else null.
+const Materials* Renderer::State::materials_for(const Scene& scene) {
+    if (!scene.materials) return nullptr;
+    pieces.need_corners();
+    if (!materials) materials = std::make_unique<Materials>(device, layout, material_sets);
+    return materials.get();
+}
+
 Frame Renderer::State::begin_frame(FrameSlot& slot, const Scene& scene, const Target& target) {
+    const Materials* const drawn_with = materials_for(scene);
     const VkExtent2D render_extent = target.render_extent();
     const ShadowMap& map = shadow_map_for(target);
     const View view{{render_extent.width, render_extent.height},
                     static_cast<float>(target.extent.width) / static_cast<float>(target.extent.height),
                     map.size};
-    write_slot(slot, {device, layout, pieces, quality(), view, map.image.view()}, scene);
+    write_slot(slot, {device, layout, pieces, quality(), view, map.image.view(), drawn_with}, scene);
     Frame frame{.scene = scene,
                 .pieces = pieces,
                 .max_draws = device.has_multi_draw() ? std::max(device.limits().maxDrawIndirectCount, 1u) : 1,
                 .layout = layout,
                 .set = slot.set,
                 .depth_set = slot.depth_set,
-                .occlusion_set = slot.occlusion_set};
+                .occlusion_set = slot.occlusion_set,
+                .materials = drawn_with};
     if (frame.draws_pieces())
         frame.stats = {.pieces = pieces.pieces(),
                        .pieces_in_view = cull ? stats.pieces_in_view : pieces.pieces(),
@@ -120,7 +130,7 @@ void Renderer::State::declare_scene(Frame& frame, FrameSlot& slot, const Target&
     desc.format = target.format;
     if (desc.samples > 1) frame.samples = frame.graph.create_image("colour samples", desc);
 
-    const Passes& p = passes_for(target.format);
+    Passes& p = passes_for(target.format);
     const bool shadow = frame.scene.moved || !map.valid;
     declare_cull(frame, slot, shadow);
     if (shadow) p.shadow.declare(frame);

@@ -17,6 +17,7 @@
 #include "engine/render/frame_slot.h"
 #include "engine/render/id_pass.h"
 #include "engine/render/marks_pass.h"
+#include "engine/render/materials.h"
 #include "engine/render/occlusion_pass.h"
 #include "engine/render/renderer.h"
 #include "engine/render/shade_pass.h"
@@ -41,7 +42,7 @@ struct Passes {
 // drawing the pieces into the map costs as much as drawing them into the picture.
 struct ShadowMap {
     ShadowMap(const Device& device, uint32_t size_)
-        : size(size_), image(device, "shadow map", {size_, size_}, VK_FORMAT_D32_SFLOAT,
+        : size(size_), image(device, "shadow map", {.extent = {size_, size_}}, VK_FORMAT_D32_SFLOAT,
                              VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT) {}
 
     uint32_t size; // texels a side
@@ -92,6 +93,7 @@ struct Renderer::State {
 
     // The steps of a frame, in their order.
     FrameSlot& next_slot();
+    const Materials* materials_for(const Scene& scene);
     Frame begin_frame(FrameSlot& slot, const Scene& scene, const Target& target);
     void declare_scene(Frame& frame, FrameSlot& slot, const Target& target);
     void declare_cull(Frame& frame, FrameSlot& slot, bool for_shadow);
@@ -114,6 +116,8 @@ struct Renderer::State {
     ShadowMap shadow_map;
     std::optional<ShadowMap> small_shadow_map; // created by the first frame with a scale below 1; never valid
     PieceArena pieces;
+    std::vector<std::shared_ptr<const MaterialSet>> material_sets;
+    std::unique_ptr<Materials> materials; // of these sets; made by the first frame that needs them
     StagingPool staging;
     std::map<Format, Passes> passes; // the window's format may differ from that of render()
     std::array<std::unique_ptr<FrameSlot>, frames_in_flight> slots;

@@ -10,11 +10,22 @@
 #include <span>
 
 #include <glm/gtc/quaternion.hpp>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
 #include "engine/render/camera.h"
 
 namespace brittle::engine {
+
+// The attributes of a corner of a triangle, in the layout that the GPU reads.
+struct CornerLook {
+    glm::vec2 uv{0.0f};            // of the textures; (0, 0) is the upper left corner of the image
+    uint32_t colour = 0xffffffffu; // srgb8(), with opacity in the highest byte
+    uint32_t material = 0;         // 1 + index into MaterialSet::materials, or 0 for the look of the scene
+
+    friend bool operator==(const CornerLook&, const CornerLook&) = default;
+};
+static_assert(sizeof(CornerLook) == 16, "the layout of the vertex attributes");
 
 // One piece to upload: a triangle list, counter-clockwise seen from outside, exterior triangles first.
 struct PieceMesh {
@@ -26,6 +37,9 @@ struct PieceMesh {
     // Exterior triangles of other pieces around this one. They are not drawn, but count for the normals of vertices on
     // the border. The vertices that only these triangles use are the last ones.
     std::span<const glm::uvec3> neighbours{};
+    // Of the corners of the exterior triangles, for Scene::materials; or none.
+    std::span<const CornerLook> corners{};
+    glm::vec3 centre{0.0f}; // as PieceAttachment::centre
 };
 
 // What moves a piece, and how it is shown.
@@ -35,6 +49,9 @@ struct PieceAttachment {
     glm::vec3 offset{0.0f}; // m, from the body's centre of mass to the origin of the positions, in the body's frame
     uint32_t id = 0;        // what Renderer::render_ids() shows; 0: the number of the handle
     uint32_t surface = 0;   // 0: the look of the scene; k: Scene::surfaces[k - 1], as far as there are so many
+    glm::vec3 centre{0.0f}; // m, the body's centre of mass in the object; places the grain of its fracture surfaces
+    // The materials of the sets before that of the piece's mesh (Renderer::set_materials()).
+    uint32_t first_material = 0;
 };
 
 // The handle of an uploaded piece, unique in a renderer's life. Handles are ordered by the time of adding. 0 is no
@@ -75,11 +92,15 @@ struct Sphere {
 };
 static_assert(sizeof(Sphere) == 16, "the layout of the instance attributes");
 
+// The pattern of fracture surfaces in the view of materials (shaders/grain.glsl).
+enum class Grain { plain, glass, stone, concrete, wood, ceramic, brick };
+
 // The materials of some pieces, in place of those of the look.
 struct SurfaceLook {
     glm::vec3 exterior{0.66f, 0.615f, 0.54f};
     glm::vec3 interior{0.40f, 0.125f, 0.06f};
     float tint = 0.5f; // as Look::tint
+    Grain grain = Grain::plain;
 };
 
 // Materials and light. The defaults are off-white stone with a terracotta interior.
@@ -87,6 +108,7 @@ struct Look {
     glm::vec3 exterior{0.66f, 0.615f, 0.54f};
     glm::vec3 interior{0.40f, 0.125f, 0.06f};
     float tint = 0.5f; // weight of the pieces' tints, 0 to 1
+    Grain grain = Grain::plain;
     glm::vec3 sphere{0.72f, 0.03f, 0.02f};
     glm::vec3 ground{0.50f, 0.495f, 0.49f};
     glm::vec3 background_top{0.40f, 0.43f, 0.47f};
@@ -128,7 +150,10 @@ struct Scene {
     bool spheres_on_top = false;
     bool spheres_cast_shadows = false; // true for balls, false for marks; within the bounds
     bool pieces_visible = true;        // false: only lines, spheres and the ground are drawn
-    bool smooth = false;    // true: exterior normals are interpolated except across creases; false: flat shading
+    bool smooth = false; // true: exterior normals are interpolated except across creases; false: flat shading
+    // True: pieces have the materials of their meshes (Renderer::set_materials()), without tints, and their fracture
+    // surfaces have a grain. False: they have the colours of the look, and their tints.
+    bool materials = false;
     bool wireframe = false; // triangle edges over the pieces; needs Device::has_line_mode()
     bool ground = true;
     float ground_height = 0.0f; // y of the ground plane

@@ -5,17 +5,21 @@
 #include "compiled/ground_frag.h"
 #include "compiled/ground_vert.h"
 #include "compiled/line_frag.h"
+#include "compiled/material_piece_frag.h"
+#include "compiled/material_piece_vert.h"
 #include "compiled/piece_edges_vert.h"
 #include "compiled/piece_frag.h"
 #include "compiled/piece_smooth_frag.h"
 #include "compiled/piece_smooth_vert.h"
 #include "compiled/piece_vert.h"
 #include "engine/gpu/device.h"
+#include "engine/render/materials.h"
 
 namespace brittle::engine {
 
-ShadePass::ShadePass(const Device& device, VkPipelineLayout layout, const TargetFormat& target,
-                     const Quality& quality) {
+ShadePass::ShadePass(const Device& device, VkPipelineLayout layout, const TargetFormat& target, const Quality& quality)
+    : device_(device), layout_(layout), target_(target), soft_shadows_(*quality.soft_shadows),
+      ambient_occlusion_(*quality.ambient_occlusion) {
     const VkSpecializationMapEntry entries[] = {
         {shared::constant_soft_shadows, 0, sizeof(VkBool32)},
         {shared::constant_ambient_occlusion, sizeof(VkBool32), sizeof(VkBool32)},
@@ -85,12 +89,63 @@ ShadePass::ShadePass(const Device& device, VkPipelineLayout layout, const Target
                                     .constants = &constants});
 }
 
-void ShadePass::declare(Frame& frame) const {
+void ShadePass::make_material_pipelines() {
+    if (materials_.solid.handle()) return;
+    const VkSpecializationMapEntry entries[] = {
+        {shared::constant_soft_shadows, 0, sizeof(VkBool32)},
+        {shared::constant_ambient_occlusion, sizeof(VkBool32), sizeof(VkBool32)},
+        {shared::constant_fading, 2 * sizeof(VkBool32), sizeof(VkBool32)},
+        {shared::constant_cut_out, 3 * sizeof(VkBool32), sizeof(VkBool32)}};
+    const auto make = [&](const char* name, bool fading, bool cut_out) {
+        const VkBool32 values[] = {soft_shadows_, ambient_occlusion_, fading, cut_out};
+        const VkSpecializationInfo constants{4, entries, sizeof values, values};
+        return Pipeline(device_, {.name = name,
+                                  .layout = layout_,
+                                  .vertex = material_piece_vert,
+                                  .fragment = material_piece_frag,
+                                  .bindings = material_bindings,
+                                  .attributes = material_attributes,
+                                  .depth_test = piece_depth_test,
+                                  .colour = target_.colour,
+                                  .samples = target_.samples,
+                                  .constants = &constants});
+    };
+    materials_.fading = make("fading pieces with materials", true, true);
+    materials_.cut_out = make("pieces with materials cut out", false, true);
+    materials_.solid = make("pieces with materials", false, false);
+}
+
+void ShadePass::draw_all_pieces(Frame& frame, const PassContext& context) const {
+    const VkCommandBuffer commands = context.commands;
+    if (frame.materials) {
+        bind_materials(frame, context);
+        const bool cut_out = frame.materials->has_cut_outs();
+        draw_pieces(frame, context, frame.camera_commands,
+                    {cut_out ? materials_.cut_out : materials_.solid, &materials_.fading});
+    } else {
+        const bool smooth = frame.scene.smooth;
+        if (smooth) {
+            const VkBuffer normals = context.buffer(frame.normals);
+            const VkDeviceSize start = 0;
+            vkCmdBindVertexBuffers(commands, 1, 1, &normals, &start);
+        }
+        draw_pieces(frame, context, frame.camera_commands,
+                    smooth ? PiecePipelines{smooth_pieces_, &fading_smooth_pieces_}
+                           : PiecePipelines{pieces_, &fading_pieces_});
+    }
+    if (frame.scene.wireframe && edges_.handle()) draw_pieces(frame, context, frame.camera_commands, {edges_});
+}
+
+void ShadePass::declare(Frame& frame) {
+    if (frame.draws_pieces() && frame.materials) make_material_pipelines();
     frame.graph.add_pass(
         "shade", PassKind::graphics,
         [&](PassBuilder& pass) {
             if (frame.draws_pieces()) read_pieces(frame, pass, frame.camera_commands);
-            if (frame.draws_pieces() && frame.scene.smooth) pass.read(frame.normals, Access::vertex_read);
+            if (frame.draws_pieces() && frame.materials)
+                read_materials(frame, pass);
+            else if (frame.draws_pieces() && frame.scene.smooth)
+                pass.read(frame.normals, Access::vertex_read);
             pass.read(frame.uniforms, Access::uniform_read);
             pass.read(frame.shadow, Access::sampled_fragment);
             if (frame.occlusion.valid()) pass.read(frame.occlusion, Access::sampled_fragment);
@@ -106,19 +161,7 @@ void ShadePass::declare(Frame& frame) const {
             begin_rendering(commands, rendering);
             // The shaders declare an image in set 1, so one must be bound. Without occlusion they do not read it.
             frame.bind_image(context, frame.occlusion_set, frame.occlusion.valid() ? frame.occlusion : frame.shadow);
-            if (frame.draws_pieces()) {
-                const bool smooth = frame.scene.smooth;
-                if (smooth) {
-                    const VkBuffer normals = context.buffer(frame.normals);
-                    const VkDeviceSize start = 0;
-                    vkCmdBindVertexBuffers(commands, 1, 1, &normals, &start);
-                }
-                draw_pieces(frame, context, frame.camera_commands,
-                            smooth ? PiecePipelines{smooth_pieces_, &fading_smooth_pieces_}
-                                   : PiecePipelines{pieces_, &fading_pieces_});
-                if (frame.scene.wireframe && edges_.handle())
-                    draw_pieces(frame, context, frame.camera_commands, {edges_});
-            }
+            if (frame.draws_pieces()) draw_all_pieces(frame, context);
             if (frame.scene.ground) {
                 vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, ground_.handle());
                 vkCmdDraw(commands, 6, 1, 0, 0);

@@ -4,17 +4,26 @@
 
 #include "engine/gpu/pipeline.h"
 #include "engine/render/frame.h"
+#include "engine/render/material_input.h"
 
 namespace brittle::engine {
 
 class ShadePass {
   public:
     ShadePass(const Device& device, VkPipelineLayout layout, const TargetFormat& target, const Quality& quality);
-    void declare(Frame& frame) const; // replaces the contents of frame.colour and frame.depth
+    void declare(Frame& frame); // replaces the contents of frame.colour and frame.depth
 
   private:
+    void make_material_pipelines();
+    void draw_all_pieces(Frame& frame, const PassContext& context) const;
+
+    const Device& device_;
+    VkPipelineLayout layout_;
+    TargetFormat target_;
+    bool soft_shadows_, ambient_occlusion_;
     Pipeline pieces_, fading_pieces_;
     Pipeline smooth_pieces_, fading_smooth_pieces_;
+    MaterialPipelines materials_;
     Pipeline edges_; // null without Device::has_line_mode()
     Pipeline ground_;
     Pipeline background_;

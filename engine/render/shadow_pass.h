@@ -4,6 +4,7 @@
 
 #include "engine/gpu/pipeline.h"
 #include "engine/render/frame.h"
+#include "engine/render/material_input.h"
 #include "engine/render/sphere_mesh.h"
 
 namespace brittle::engine {
@@ -12,11 +13,16 @@ class ShadowPass {
   public:
     // `sphere` must outlive the pass.
     ShadowPass(const Device& device, VkPipelineLayout layout, const SphereMesh& sphere);
-    void declare(Frame& frame) const; // replaces the contents of frame.shadow
+    void declare(Frame& frame); // replaces the contents of frame.shadow
 
   private:
+    void make_material_pipelines();
+
+    const Device& device_;
+    VkPipelineLayout layout_;
     Pipeline pipeline_;
     Pipeline fading_;
+    MaterialPipelines materials_; // of materials that are cut out; `solid` is null
     Pipeline spheres_;
     const SphereMesh& sphere_;
 };

@@ -6,8 +6,9 @@ namespace brittle::engine {
 
 void declare_upload(Frame& frame) {
     if (frame.upload.empty()) return;
-    Buffer* const arenas[piece_arenas] = {&frame.vertices, &frame.normals, &frame.indices};
-    const Access used_as[piece_arenas] = {Access::vertex_read, Access::vertex_read, Access::index_read};
+    Buffer* const arenas[piece_arenas] = {&frame.vertices, &frame.normals, &frame.indices, &frame.corners};
+    const Access used_as[piece_arenas] = {Access::vertex_read, Access::vertex_read, Access::index_read,
+                                          Access::vertex_read};
     std::array<Buffer, piece_arenas> old;
     for (size_t i = 0; i < piece_arenas; ++i) {
         const DeviceBuffer& buffer = frame.pieces.old_buffers()[i];
@@ -31,7 +32,7 @@ void declare_upload(Frame& frame) {
             }
         },
         [&frame, old](PassContext& context) {
-            const Buffer to[piece_arenas] = {frame.vertices, frame.normals, frame.indices};
+            const Buffer to[piece_arenas] = {frame.vertices, frame.normals, frame.indices, frame.corners};
             const auto copy = [&](Buffer from, size_t arena, const std::vector<VkBufferCopy>& regions) {
                 if (regions.empty()) return;
                 vkCmdCopyBuffer(context.commands, context.buffer(from), context.buffer(to[arena]),

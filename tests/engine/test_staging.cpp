@@ -16,8 +16,19 @@ constexpr uint64_t large = 64 << 10; // minimum size of a batch that stage() mov
 // Balls in a row, each large enough to be staged.
 struct Row {
     Shape ball = icosphere(0.3f, 4);
+    std::vector<CornerLook> corners = corners_of(ball); // so that every arena holds something
 
-    [[nodiscard]] PieceMesh mesh(uint32_t body) const { return ball.piece(body, piece_tint(body)); }
+    [[nodiscard]] PieceMesh mesh(uint32_t body) const {
+        PieceMesh mesh = ball.piece(body, piece_tint(body));
+        mesh.corners = corners;
+        return mesh;
+    }
+    [[nodiscard]] static std::vector<CornerLook> corners_of(const Shape& shape) {
+        std::vector<CornerLook> made;
+        for (uint32_t t = 0; t < shape.exterior_triangles; ++t)
+            for (int k = 0; k < 3; ++k) made.push_back({.uv = glm::vec2(shape.positions[shape.triangles[t][k]])});
+        return made;
+    }
     [[nodiscard]] PieceBatch batch(uint32_t body) const {
         const PieceMesh one = mesh(body);
         return *PieceBatch::create({&one, 1});
@@ -46,6 +57,7 @@ std::vector<uint8_t> bytes_of(const PieceBatch& batch) {
     append(std::as_bytes(batch.positions()));
     append(std::as_bytes(batch.normals()));
     append(std::as_bytes(batch.indices()));
+    append(std::as_bytes(batch.corners()));
     return all;
 }
 
@@ -146,7 +158,10 @@ TEST_CASE("the frame that uploads staged pieces allocates no memory for them") {
     if (!f) return;
     const Row row;
     const Shape other = icosphere(0.2f, 4);
-    const PieceMesh before = other.piece(0), after = row.mesh(0);
+    const std::vector<CornerLook> corners = Row::corners_of(other);
+    PieceMesh before = other.piece(0);
+    before.corners = corners;
+    const PieceMesh after = row.mesh(0);
     for (int frame = 0; frame < 3; ++frame) { // allocates the arenas and the buffers of the frame slots
         REQUIRE(f.renderer->set_pieces({&before, 1}));
         (void)f.draw(Row::scene());
@@ -268,7 +283,7 @@ TEST_CASE("a staging buffer is reused only after the copies from it have finishe
     for (size_t k = 0; k < 2; ++k) {
         CHECK(upload.staged[k].buffer == oracle[k].staged());
         const uint64_t sizes[] = {oracle[k].positions().size_bytes(), oracle[k].normals().size_bytes(),
-                                  oracle[k].indices().size_bytes()};
+                                  oracle[k].indices().size_bytes(), oracle[k].corners().size_bytes()};
         uint64_t from = 0;
         for (size_t i = 0; i < piece_arenas; ++i) {
             REQUIRE(upload.staged[k].copies[i].size() == 1);

@@ -98,6 +98,8 @@ FractureOptions everything() {
                        .explode = 0.5f,
                        .sites = true,
                        .hulls = true,
+                       .colours = PieceColours::pieces,
+                       .interior_texture = "/images/cut.png",
                        .smooth = true,
                        .wireframe = true,
                        .cells = true,

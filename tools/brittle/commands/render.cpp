@@ -28,7 +28,9 @@ namespace {
 
 // Refuses outputs that need a fracture and its motion together with pictures that have neither.
 void check_run(const RenderCommand& command) {
-    check_export(command.pieces.files, "--export");
+    ExportSettings exports = command.pieces.files;
+    exports.interior_texture.clear(); // pictures show it, too
+    check_export(exports, "--export");
     const PictureOptions& picture = command.fracture.picture;
     for (const char* option : {"--record", "--export"}) {
         const std::string& file = option == std::string("--record") ? command.record : command.pieces.files.output;
@@ -92,6 +94,14 @@ std::shared_ptr<const fracture::Fragments> break_on_stage(const RenderCommand& c
         input, command.fracture, [&](double share) { progress.update(share); }, choice.classifier.get());
     stage.stand(broken.fragments, world);
     return std::make_shared<const fracture::Fragments>(std::move(broken.fragments));
+}
+
+// Returns the looks of the mesh, and says what pictures do not show of them.
+std::shared_ptr<const MeshLooks> load_looks(const Input& source, const Input& on_stage, const PictureOptions& picture) {
+    std::vector<std::string> notes = wants_looks(picture) ? source.model.notes : std::vector<std::string>();
+    std::shared_ptr<const MeshLooks> looks = looks_for(source.model, on_stage.model.mesh, picture, notes);
+    for (const std::string& note : notes) std::fprintf(stderr, "brittle: %s: %s\n", source.name.c_str(), note.c_str());
+    return looks;
 }
 
 void show_extras(const PictureOptions& picture, const Input& input, Stage& stage) {
@@ -168,6 +178,7 @@ int render_scene(const RenderCommand& command, const FilmOptions& film_options) 
     for (const std::string& note : scene.notes) std::fprintf(stderr, "brittle: %s\n", note.c_str());
     stage.show_hulls(picture.hulls);
     stage.explode(picture.explode);
+    stage.colour_by(picture.colours);
     Film film(*renderer, film_options, picture, command.view, stage.home_bounds());
     draw_frames(film, stage, picture.frames);
     if (recorder) recorder->finish();
@@ -193,12 +204,15 @@ int run_render(const RenderCommand& command) {
     catch_interrupts();
     if (is_scene(command.fracture)) return render_scene(command, film_options);
     const bool exports = !command.pieces.files.output.empty();
-    const Input source = load_input(command.fracture, exports), input = placed_on_stage(source, command.fracture.world);
+    const Input source = load_input(command.fracture, exports || wants_looks(picture)),
+                input = placed_on_stage(source, command.fracture.world);
+    const std::shared_ptr<const MeshLooks> looks = load_looks(source, input, picture);
     const WorldOptions world = world_of(command.fracture, input.scale);
     warn_of_idle_options(command, input, world);
     const std::unique_ptr<engine::Device> device = open_device(command.view);
     const auto renderer = must(engine::Renderer::create(*device, film_settings(command.view)));
-    Stage stage(*renderer, input.model.mesh, command.fracture.material);
+    Stage stage(*renderer, input.model.mesh, command.fracture.material, looks);
+    stage.colour_by(picture.colours);
     std::optional<Recorder> recorder;
     if (!command.record.empty()) {
         recorder.emplace(command.record, command.fracture);

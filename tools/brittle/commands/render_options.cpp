@@ -21,6 +21,16 @@ void add_picture_options(CLI::App& render, PictureOptions& picture) {
         ->capture_default_str();
     render.add_flag("--show-sites", picture.sites, "Draw the sites as red spheres");
     render.add_flag("--show-hulls", picture.hulls, "Draw the collision hulls as red lines");
+    render
+        .add_option_function<std::string>(
+            "--colors",
+            [&picture](const std::string& name) {
+                picture.colours = name == "pieces" ? PieceColours::pieces : PieceColours::materials;
+            },
+            "Colours of the pieces: one for each piece, or the materials and textures of the mesh with a grain in the "
+            "cuts. The default is materials where the mesh has some.")
+        ->check(CLI::IsMember({"pieces", "materials"}))
+        ->type_name("BY");
     render.add_flag("--smooth", picture.smooth, "Shade exteriors smoothly instead of by facets");
     render.add_flag("--wireframe", picture.wireframe, "Draw the edges of triangles");
     render.add_flag("--show-cells", picture.cells, "Draw the edges of the Voronoi cells as blue lines");
@@ -88,6 +98,8 @@ void add_render(CLI::App& app, Run& run) {
     render.callback([&run, &render, command] {
         const bool has_other_output = !command->video.empty() || !command->pieces.files.output.empty();
         if (has_other_output && render.count("--output") == 0) command->output.clear();
+        if (const std::string& texture = command->pieces.files.interior_texture; !texture.empty())
+            command->fracture.picture.interior_texture = texture;
         run = [command] {
             command->fracture = scene_of_pieces(std::move(command->fracture));
             return run_render(*command);

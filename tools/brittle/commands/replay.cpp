@@ -49,7 +49,9 @@ Run load_run(const ReplayCommand& command, const ReplayLog& log) {
         run.scene = load_scene(log.recipe);
         return run;
     }
-    run.source = load_input(log.recipe, !command.pieces.files.output.empty());
+    const bool draws = !command.pictures.empty() || !command.video.empty();
+    run.source =
+        load_input(log.recipe, !command.pieces.files.output.empty() || (draws && wants_looks(log.recipe.picture)));
     run.input = placed_on_stage(run.source, log.recipe.world);
     run.fragments = std::make_shared<const fracture::Fragments>(break_input(run.input, log.recipe).fragments);
     run.world = world_of(log.recipe, run.input.scale);
@@ -96,8 +98,10 @@ void draw(Run& run, Player& player) {
     if (run.of_scene())
         owner.emplace(*renderer, run.scene.home);
     else
-        owner.emplace(*renderer, run.input.model.mesh, log.recipe.material);
+        owner.emplace(*renderer, run.input.model.mesh, log.recipe.material,
+                      looks_for(run.source.model, run.input.model.mesh, log.recipe.picture, run.source.model.notes));
     Stage& stage = *owner;
+    stage.colour_by(log.recipe.picture.colours);
     stage.simulation().observe(&player);
     follow(log, stage.simulation());
     if (run.of_scene())

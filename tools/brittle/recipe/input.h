@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -142,10 +143,13 @@ inline constexpr double max_rough_size = 1e30;                        // m
 // for the roughness of blows. Throws a Failure if that file cannot be read.
 [[nodiscard]] WorldOptions world_of(const FractureOptions& options, double scale = 1.0);
 
+struct MeshLooks;
+
 // A mesh and the sites to break it by.
 struct Input {
-    std::string name;      // stem of the file, or name of the shape
-    fracture::Model model; // materials and textures only on request, and never for shapes
+    std::string name;                       // stem of the file, or name of the shape
+    fracture::Model model;                  // materials and textures only on request, and never for shapes
+    std::shared_ptr<const MeshLooks> looks; // for drawing (run/mesh_looks.h); null without, and unless asked for
     std::vector<glm::dvec3> sites;
     std::vector<uint32_t> groups;       // group of each site; or empty
     std::vector<double> weights;        // weight of each site, m^2; or empty

@@ -3,23 +3,30 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 
 namespace brittle::tools {
+
+// What colours pieces have in a picture: the materials of their mesh with the grain of fracture surfaces, or a colour for
+// each piece. Automatic: materials where the mesh has some.
+enum class PieceColours { automatic, pieces, materials };
 
 struct PictureOptions {
     uint32_t frames = 120; // number of frames of 1/60 s after the first picture
     bool whole = false;    // draw the unbroken mesh
     // Cut out only the cell of site 0, by this many of its planes, nearest first; 0: fracture the whole mesh.
     uint32_t planes = 0;
-    float explode = 0.0f;    // draw the pieces apart, by this share of their distance from the middle
-    bool sites = false;      // draw the sites as spheres
-    bool hulls = false;      // draw the collision hulls as lines
-    bool smooth = false;     // shade exteriors smoothly; else by facets
-    bool wireframe = false;  // draw the edges of triangles over the pieces
-    bool cells = false;      // draw the Voronoi cells in the mesh's box as lines
-    float azimuth = 31.5f;   // degrees, from +Z towards +X
-    float elevation = 17.0f; // degrees above the ground
-    float distance = 1.0f;   // distance of the camera; 1 shows the mesh, the ground and room for pieces to spread
+    float explode = 0.0f; // draw the pieces apart, by this share of their distance from the middle
+    bool sites = false;   // draw the sites as spheres
+    bool hulls = false;   // draw the collision hulls as lines
+    PieceColours colours = PieceColours::automatic;
+    std::string interior_texture{}; // image for fracture surfaces in the view of materials; empty: their grain
+    bool smooth = false;            // shade exteriors smoothly; else by facets
+    bool wireframe = false;         // draw the edges of triangles over the pieces
+    bool cells = false;             // draw the Voronoi cells in the mesh's box as lines
+    float azimuth = 31.5f;          // degrees, from +Z towards +X
+    float elevation = 17.0f;        // degrees above the ground
+    float distance = 1.0f; // distance of the camera; 1 shows the mesh, the ground and room for pieces to spread
 };
 
 } // namespace brittle::tools

@@ -603,6 +603,8 @@ void read_recipe(const std::filesystem::path& file, const Json& json, const std:
     if (const Json* picture = reader.find("picture")) {
         JsonReader inner(file, *picture, path + "/picture");
         read_picture(inner, options.picture);
+        if (inner.find("interior_texture"))
+            options.picture.interior_texture = path_from(file, options.picture.interior_texture);
         inner.refuse_unknown_keys();
     }
     reader.refuse_unknown_keys();
@@ -615,6 +617,7 @@ template<class Options, class Visit>
 void visit_files(Options& options, Visit visit) {
     visit(options.mesh);
     visit(options.sites_file);
+    visit(options.picture.interior_texture);
     visit(options.level.mesh);
     for (auto& rule : options.level.rules) visit_files(rule.then.recipe, visit);
     for (auto& object : options.objects) visit_files(object.recipe, visit);

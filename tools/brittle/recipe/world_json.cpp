@@ -93,6 +93,9 @@ Json picture_json(const PictureOptions& picture) {
     if (picture.sites) json["sites"] = true;
     if (picture.hulls) json["hulls"] = true;
     if (picture.cells) json["cells"] = true;
+    if (picture.colours != plain.colours)
+        json["colors"] = picture.colours == PieceColours::pieces ? "pieces" : "materials";
+    if (!picture.interior_texture.empty()) json["interior_texture"] = picture.interior_texture;
     if (picture.smooth) json["smooth"] = true;
     if (picture.wireframe) json["wireframe"] = true;
     if (picture.azimuth != plain.azimuth) json["azimuth"] = picture.azimuth;
@@ -247,6 +250,15 @@ void read_picture(JsonReader& reader, PictureOptions& picture) {
     reader.flag("sites", picture.sites);
     reader.flag("hulls", picture.hulls);
     reader.flag("cells", picture.cells);
+    if (const Json* colours = reader.find("colors")) {
+        if (*colours == "pieces")
+            picture.colours = PieceColours::pieces;
+        else if (*colours == "materials")
+            picture.colours = PieceColours::materials;
+        else
+            reader.fail("colors", "\"pieces\" or \"materials\"", *colours);
+    }
+    reader.text("interior_texture", picture.interior_texture);
     reader.flag("smooth", picture.smooth);
     reader.flag("wireframe", picture.wireframe);
     number("azimuth", picture.azimuth, -360.0, 360.0);

@@ -12,6 +12,7 @@
 #include "fracture/mesh/topology.h"
 #include "tools/brittle/base/failure.h"
 #include "tools/brittle/recipe/json_reader.h"
+#include "tools/brittle/run/mesh_looks.h"
 
 namespace brittle::tools {
 namespace {
@@ -33,11 +34,36 @@ const fracture::TriangleMesh& MeshFiles::mesh_of(const SceneObject& object) {
         const Content& content = content_of(file);
         return content.scene.meshes[mesh_in(content, object)].mesh;
     }
+    return whole_of(file).model.mesh;
+}
+
+MeshFiles::Whole& MeshFiles::whole_of(const std::string& file) {
     std::string stamp = stamp_of(file);
     auto at = whole_.find(file);
     if (at == whole_.end() || at->second.stamp != stamp)
-        at = whole_.insert_or_assign(file, Whole{std::move(stamp), load_mesh_only(file).model.mesh}).first;
-    return at->second.mesh;
+        at = whole_.insert_or_assign(file, Whole{std::move(stamp), load_mesh_only(file, true).model, false, {}}).first;
+    return at->second;
+}
+
+const fracture::Model& MeshFiles::model_of(const SceneObject& object) {
+    if (!object.in_pieces && object.node.empty()) return whole_of(object.recipe.mesh).model;
+    fracture::Model model;
+    model.mesh = mesh_of(object);
+    mesh_only_ = std::move(model);
+    return mesh_only_;
+}
+
+std::shared_ptr<const engine::MaterialSet> MeshFiles::materials_of(const SceneObject& object,
+                                                                   std::vector<std::string>& notes) {
+    if (object.in_pieces || !object.node.empty()) return nullptr;
+    Whole& whole = whole_of(object.recipe.mesh);
+    if (!std::exchange(whole.is_decoded, true)) {
+        std::vector<std::string> own = std::exchange(whole.model.notes, {});
+        whole.materials = tools::materials_of(whole.model, own);
+        for (const std::string& note : own) notes.push_back(mesh_name(object.recipe.mesh) + ": " + note);
+        whole.model.images.clear();
+    }
+    return whole.materials;
 }
 
 std::optional<uint32_t> MeshFiles::index_of(const SceneObject& object) {

@@ -5,10 +5,13 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <set>
 #include <string>
+#include <vector>
 
+#include "engine/render/material_set.h"
 #include "fracture/io/import.h"
 #include "fracture/mesh/mesh.h"
 #include "tools/brittle/recipe/input.h"
@@ -19,6 +22,11 @@ class MeshFiles {
   public:
     // The mesh of an object as its file has it; valid until the next call of a member. Throws a Failure.
     const fracture::TriangleMesh& mesh_of(const SceneObject& object);
+    // The model of an object, with what its file has of looks; nodes and pieces have none. Valid until the next call.
+    const fracture::Model& model_of(const SceneObject& object);
+    // The materials of that model, decoded once for all objects of a file; null without any. Notes for people about what
+    // is not shown are added once.
+    std::shared_ptr<const engine::MaterialSet> materials_of(const SceneObject& object, std::vector<std::string>& notes);
     // The nodes of a glTF file; valid until the next call of a member. Throws a Failure.
     const fracture::MeshScene& scene_of(const std::string& file) { return content_of(file).scene; }
     // Index of an object's mesh in its file; nothing where the object is no node. Throws a Failure.
@@ -32,7 +40,9 @@ class MeshFiles {
     };
     struct Whole { // a file without nodes, or a shape
         std::string stamp;
-        fracture::TriangleMesh mesh;
+        fracture::Model model;
+        bool is_decoded = false;
+        std::shared_ptr<const engine::MaterialSet> materials;
     };
     struct Content { // a glTF file of which objects name nodes
         std::string stamp;
@@ -40,6 +50,7 @@ class MeshFiles {
         std::map<std::string, uint32_t> mesh_of; // by name of the node
     };
 
+    Whole& whole_of(const std::string& file);
     const Content& content_of(const std::string& file);
     const fracture::TriangleMesh& pieces_of(const std::string& file);
     static uint32_t mesh_in(const Content& content, const SceneObject& object); // throws a Failure
@@ -47,6 +58,7 @@ class MeshFiles {
     std::map<std::string, Content> nodes_;
     std::map<std::string, Whole> whole_;
     std::map<std::string, Pieces> pieces_;
+    fracture::Model mesh_only_; // of model_of()
 };
 
 // Why a mesh cannot be broken, whatever it looks like; empty where it can.

@@ -18,6 +18,13 @@ namespace {
 
 constexpr double anchor_height = 0.01; // m above an object's lowest point: WorldOptions::anchored holds what is below
 
+physics::PayloadMaker payload_of(const PreparedObject& object, const DrawingMaker& maker) {
+    if (!maker) return {};
+    return [maker, looks = object.looks](const physics::SolidPiece& solid, const physics::SolidPiece* cut_from) {
+        return maker(solid, cut_from, looks.get());
+    };
+}
+
 std::vector<physics::AnchorRegion> anchor_regions(const PreparedObject& object) {
     std::vector<physics::AnchorRegion> regions;
     if (object.world.anchored) {
@@ -50,7 +57,7 @@ physics::StructureDesc structure_desc(const PreparedObject& object) {
     return desc;
 }
 
-physics::BreakableDesc breakable_desc(const PreparedObject& object, const physics::PayloadMaker& payload) {
+physics::BreakableDesc breakable_desc(const PreparedObject& object, const DrawingMaker& payload) {
     const WorldOptions& options = object.world;
     physics::BreakableDesc desc;
     desc.motion.placement = object.placement;
@@ -59,7 +66,7 @@ physics::BreakableDesc breakable_desc(const PreparedObject& object, const physic
     desc.solid.blocks.strength_scale /= physics::flawed_strength; // as WearSettings::strength_scale
     desc.solid.min_size = options.min_size;
     desc.solid.rough = options.rough;
-    desc.payload = payload;
+    desc.payload = payload_of(object, payload);
     desc.pattern.seed = options.seed;
     const physics::MaterialPreset* preset = physics::material_preset(object.material);
     if (options.blows) {
@@ -79,7 +86,7 @@ physics::BreakableDesc breakable_desc(const PreparedObject& object, const physic
     return desc;
 }
 
-void prepare(PreparedObject& object, const physics::PayloadMaker& payload, uint32_t threads) {
+void prepare(PreparedObject& object, const DrawingMaker& payload, uint32_t threads) {
     object.bodies = {};
     if (object.fixed()) {
         object.bodies.solids.push_back(must(physics::fixed_solid(*object.surface)));
@@ -90,19 +97,20 @@ void prepare(PreparedObject& object, const physics::PayloadMaker& payload, uint3
         object.bodies.hulls = physics::collision_hulls(*object.fragments, {}, threads);
         return;
     }
-    object.bodies.payloads = physics::payloads_of(object.bodies.solids, payload, threads);
+    object.bodies.payloads = physics::payloads_of(object.bodies.solids, payload_of(object, payload), threads);
 }
 
-PreparedObject copy_of(const PreparedObject& object, const physics::PayloadMaker& payload, uint32_t threads) {
+PreparedObject copy_of(const PreparedObject& object, const DrawingMaker& payload, uint32_t threads) {
     PreparedObject copy{.name = object.name,
                         .fragments = object.fragments,
                         .surface = object.surface,
                         .world = object.world,
                         .material = object.material,
                         .rigid = object.rigid,
+                        .looks = object.looks,
                         .placement = object.placement};
     copy.bodies.solids = object.bodies.solids;
-    copy.bodies.payloads = physics::payloads_of(copy.bodies.solids, payload, threads);
+    copy.bodies.payloads = physics::payloads_of(copy.bodies.solids, payload_of(copy, payload), threads);
     return copy;
 }
 

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -25,6 +26,7 @@
 #include "physics/world/hull.h"
 #include "physics/world/world.h"
 #include "tools/brittle/recipe/world_options.h"
+#include "tools/brittle/run/mesh_looks.h"
 
 namespace brittle::tools {
 
@@ -53,6 +55,7 @@ struct PreparedObject {
     WorldOptions world{};                                    // of world_of()
     std::string material{};                                  // name of a preset, or empty
     bool rigid = false;                                      // never cut
+    std::shared_ptr<const MeshLooks> looks{};                // of its mesh, for drawing; or null
     physics::Pose placement{};                               // from the object's coordinates to the world
     PreparedBodies bodies{};
     std::vector<PreparedGlue> glue{}; // set by find_glue() (scene_glue.h); copy_of() leaves it out
@@ -60,11 +63,14 @@ struct PreparedObject {
     [[nodiscard]] bool fixed() const { return surface != nullptr; }
 };
 
+// A physics::PayloadMaker that is also given the looks of the object, or null.
+using DrawingMaker = std::function<physics::PayloadPtr(const physics::SolidPiece& piece,
+                                                       const physics::SolidPiece* cut_from, const MeshLooks* looks)>;
+
 // Makes the bodies. `payload` must be the simulation's. threads: 0 is one a core. Throws a Failure.
-void prepare(PreparedObject& object, const physics::PayloadMaker& payload = {}, uint32_t threads = 0);
+void prepare(PreparedObject& object, const DrawingMaker& payload = {}, uint32_t threads = 0);
 // Returns an object with the fragments and solids of one that is breakable, rigid or fixed, and with payloads of its own.
-[[nodiscard]] PreparedObject copy_of(const PreparedObject& object, const physics::PayloadMaker& payload,
-                                     uint32_t threads = 0);
+[[nodiscard]] PreparedObject copy_of(const PreparedObject& object, const DrawingMaker& payload, uint32_t threads = 0);
 
 // Hash of the pieces of all objects, and of the surfaces of fixed ones: fracture::hash() for one object.
 [[nodiscard]] uint64_t pieces_hash(std::span<const PreparedObject> objects);
@@ -74,6 +80,6 @@ void prepare(PreparedObject& object, const physics::PayloadMaker& payload = {}, 
 [[nodiscard]] physics::Material flawed_material(const PreparedObject& object);
 // How the pieces of an object are bonded, and how they break.
 [[nodiscard]] physics::StructureDesc structure_desc(const PreparedObject& object);
-[[nodiscard]] physics::BreakableDesc breakable_desc(const PreparedObject& object, const physics::PayloadMaker& payload);
+[[nodiscard]] physics::BreakableDesc breakable_desc(const PreparedObject& object, const DrawingMaker& payload);
 
 } // namespace brittle::tools

@@ -25,6 +25,7 @@
 #include "tools/brittle/recipe/level.h"
 #include "tools/brittle/recipe/recipe.h"
 #include "tools/brittle/recipe/world_json.h"
+#include "tools/brittle/run/mesh_looks.h"
 #include "tools/brittle/run/scene_cache.h"
 #include "tools/brittle/run/scene_glue.h"
 
@@ -67,9 +68,10 @@ std::string prepared_key(const SceneObject& object) {
 }
 
 // Loads an object's mesh, in metres of the object, ready for a fracture unless it is fixed.
-Input load_object(const SceneObject& object, LengthUnit units, MeshFiles& files) {
+Input load_object(const SceneObject& object, LengthUnit units, MeshFiles& files, std::vector<std::string>& notes) {
     Input input;
-    input.model.mesh = files.mesh_of(object);
+    const std::shared_ptr<const engine::MaterialSet> materials = files.materials_of(object, notes);
+    input.model = files.model_of(object);
     input.name = object.name;
     const double metres = object.recipe.mesh.starts_with("shape:") ? 1.0 : metres_of(units);
     input.scale = metres * std::abs(object.placement.scale.x);
@@ -78,6 +80,9 @@ Input load_object(const SceneObject& object, LengthUnit units, MeshFiles& files)
         if (const std::string fault = fault_of(input.model.mesh); !fault.empty()) throw Failure(exit_mesh, fault);
     }
     deform(input.model.mesh, metres, object.placement);
+    const glm::dvec3& scale = object.placement.scale;
+    input.looks = looks_of(input.model, input.model.mesh, materials, !(scale.x * scale.y * scale.z > 0.0));
+    keep_mesh_only(input.model);
     if (is_cut_at_start(object)) {
         SiteSet set = sites_for(object.recipe, input.model.mesh);
         input.sites = std::move(set.sites);
@@ -102,15 +107,15 @@ std::string note_of(const SceneObject& object, const std::string& fault) {
 }
 
 // A mesh that cannot be broken is loaded as that of a fixed object.
-LoadedMesh load(SceneObject object, LengthUnit units, MeshFiles& files) {
+LoadedMesh load(SceneObject object, LengthUnit units, MeshFiles& files, std::vector<std::string>& notes) {
     LoadedMesh mesh;
     try {
-        mesh.input = std::make_shared<const Input>(load_object(object, units, files));
+        mesh.input = std::make_shared<const Input>(load_object(object, units, files, notes));
     } catch (const Failure& failure) {
         if (failure.code() != exit_mesh) throw;
         mesh.fault = failure.what();
         fix(object);
-        mesh.input = std::make_shared<const Input>(load_object(object, units, files));
+        mesh.input = std::make_shared<const Input>(load_object(object, units, files, notes));
     }
     return mesh;
 }
@@ -211,7 +216,7 @@ LoadedScene load_scene(const FractureOptions& scene, SceneCache* cache) {
         try {
             const std::string key = mesh_key(object, scene.units, files);
             const LoadedMesh* mesh = meshes.find(key);
-            if (!mesh) mesh = &meshes.add(key, load(object, scene.units, files));
+            if (!mesh) mesh = &meshes.add(key, load(object, scene.units, files, loaded.notes));
             if (!mesh->fault.empty()) {
                 loaded.notes.push_back(note_of(object, mesh->fault));
                 fix(made.object);
@@ -244,7 +249,7 @@ fracture::Fragments fragments_of(const LoadedObject& loaded, FractureOptions opt
     return fragments;
 }
 
-PreparedObject prepare_object(const LoadedObject& loaded, const physics::PayloadMaker& payload, uint32_t threads) {
+PreparedObject prepare_object(const LoadedObject& loaded, const DrawingMaker& payload, uint32_t threads) {
     const SceneObject& object = loaded.object;
     FractureOptions options = object.recipe;
     options.threads = threads;
@@ -254,6 +259,7 @@ PreparedObject prepare_object(const LoadedObject& loaded, const physics::Payload
                         .world = world_of(options, loaded.input->scale),
                         .material = object.recipe.material,
                         .rigid = !object.recipe.world.breakable,
+                        .looks = loaded.input->looks,
                         .placement = loaded.placement};
     made.world.breakable = object.recipe.world.breakable;
     if (object.fixed)
@@ -274,7 +280,7 @@ struct Work {
 
 // An object that turns out not to be breakable only when it is cut, such as one that passes through itself, becomes
 // fixed.
-void prepare_or_fix(LoadedObject& loaded, const physics::PayloadMaker& payload, uint32_t threads, Work& work) {
+void prepare_or_fix(LoadedObject& loaded, const DrawingMaker& payload, uint32_t threads, Work& work) {
     try {
         work.made = prepare_object(loaded, payload, threads);
     } catch (const Failure& failure) {
@@ -285,7 +291,7 @@ void prepare_or_fix(LoadedObject& loaded, const physics::PayloadMaker& payload, 
     }
 }
 
-void copy_prepared(const PreparedObject& like, LoadedObject& loaded, const physics::PayloadMaker& payload, Work& work) {
+void copy_prepared(const PreparedObject& like, LoadedObject& loaded, const DrawingMaker& payload, Work& work) {
     if (like.fixed() && !loaded.object.fixed) {
         work.fault = "as " + like.name;
         fix(loaded.object);
@@ -296,7 +302,7 @@ void copy_prepared(const PreparedObject& like, LoadedObject& loaded, const physi
     copy.world.seed = loaded.object.recipe.pattern.seed;
 }
 
-void take_prepared(const PreparedOnce& known, LoadedObject& loaded, const physics::PayloadMaker& payload, Work& work) {
+void take_prepared(const PreparedOnce& known, LoadedObject& loaded, const DrawingMaker& payload, Work& work) {
     if (!known.fault.empty()) fix(loaded.object);
     work.fault = known.fault;
     PreparedObject& made = work.made.emplace(copy_of(known.object, payload, 1));
@@ -322,7 +328,7 @@ size_t cost_of(const LoadedObject& loaded) {
 
 } // namespace
 
-std::vector<PreparedObject> prepare_scene(LoadedScene& scene, const physics::PayloadMaker& payload,
+std::vector<PreparedObject> prepare_scene(LoadedScene& scene, const DrawingMaker& payload,
                                           const std::function<void(double)>& progress, SceneCache* cache) {
     std::vector<Work> work = work_of(scene);
     using Key = std::pair<std::shared_ptr<const Input>, std::string>;

@@ -59,7 +59,7 @@ void find_home(LoadedScene& scene);
 // Breaks and prepares the objects, side by side; the result is in their order, and the same for any number of threads.
 // An object that cannot be cut becomes fixed, with a note in the scene. `payload` is called from any thread, `progress`
 // by one at a time with rising shares up to 1. Throws a Failure: that of the first object that cannot be prepared.
-[[nodiscard]] std::vector<PreparedObject> prepare_scene(LoadedScene& scene, const physics::PayloadMaker& payload = {},
+[[nodiscard]] std::vector<PreparedObject> prepare_scene(LoadedScene& scene, const DrawingMaker& payload = {},
                                                         const std::function<void(double)>& progress = {},
                                                         SceneCache* cache = nullptr);
 

@@ -44,7 +44,7 @@ double hammer_force(double impulse) {
 
 } // namespace
 
-Simulation::Simulation(const std::string& material, physics::PayloadMaker payload)
+Simulation::Simulation(const std::string& material, DrawingMaker payload)
     : material_(physics::material_preset(material)), payload_(std::move(payload)) {}
 
 void Simulation::commit_as(physics::Timing timing, std::vector<physics::Commit> script) {

@@ -67,7 +67,7 @@ class Simulation {
   public:
     // `material` is a preset's name, or empty: of a start from fragments. `payload` makes what take_events() hands over
     // with each piece.
-    explicit Simulation(const std::string& material = {}, physics::PayloadMaker payload = {});
+    explicit Simulation(const std::string& material = {}, DrawingMaker payload = {});
 
     // Sets when cuts are committed from the next start on. The default, fixed_latency, repeats by itself; a window uses
     // when_ready; a replay uses scripted, with the commits of its log. See destruction.h.
@@ -201,7 +201,7 @@ class Simulation {
 
     physics::World world_;
     const physics::MaterialPreset* material_ = nullptr;
-    physics::PayloadMaker payload_;
+    DrawingMaker payload_;
     physics::Timing timing_ = physics::Timing::fixed_latency;
     std::vector<physics::Commit> script_;
     // One of these three holds the pieces.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <string_view>
 #include <utility>
 
 #include <glm/geometric.hpp>
@@ -26,9 +27,33 @@ uint32_t packed(const glm::vec3& linear) {
     return engine::srgb8(c.x, c.y, c.z);
 }
 
+engine::Grain grain_of(std::string_view material) {
+    constexpr std::pair<std::string_view, engine::Grain> grains[] = {
+        {"glass", engine::Grain::glass}, {"stone", engine::Grain::stone},     {"concrete", engine::Grain::concrete},
+        {"wood", engine::Grain::wood},   {"ceramic", engine::Grain::ceramic}, {"brick", engine::Grain::brick}};
+    for (const auto& [name, grain] : grains)
+        if (name == material) return grain;
+    return engine::Grain::plain;
+}
+
 engine::SurfaceLook surface_look(const physics::MaterialPreset* material) {
     if (!material) return {.tint = piece_tint_strength};
-    return {material->exterior, material->interior, material_tint_strength};
+    return {material->exterior, material->interior, material_tint_strength, grain_of(material->name)};
+}
+
+// The attributes of all exterior corners of a piece of a fracture.
+std::vector<engine::CornerLook> corners_of(const fracture::Fragments& fragments, const fracture::Piece& piece,
+                                           const MeshLooks& looks) {
+    std::vector<engine::CornerLook> made;
+    made.reserve(3 * size_t{piece.exterior_triangles});
+    const auto positions = fragments.positions_of(piece);
+    for (uint32_t t = 0; t < piece.exterior_triangles; ++t) {
+        const fracture::Triangle& corner = fragments.triangles[piece.triangles.begin + t];
+        const auto three = looks.corners(fragments.triangle_source[piece.triangles.begin + t],
+                                         {positions[corner.x], positions[corner.y], positions[corner.z]});
+        made.insert(made.end(), three.begin(), three.end());
+    }
+    return made;
 }
 
 // Returns whether any bond loses health under its load, or might once the stresses are in balance.
@@ -44,9 +69,9 @@ bool wears(const physics::Structure& structure) {
 } // namespace
 
 // The stage takes over the result when the piece appears.
-physics::PayloadMaker payload_maker(const engine::Renderer& renderer) {
-    return [&renderer](const physics::SolidPiece& solid, const physics::SolidPiece* cut_from) {
-        auto drawing = draw_piece(solid, cut_from);
+DrawingMaker payload_maker(const engine::Renderer& renderer) {
+    return [&renderer](const physics::SolidPiece& solid, const physics::SolidPiece* cut_from, const MeshLooks* looks) {
+        auto drawing = draw_piece(solid, cut_from, looks);
         renderer.stage(drawing->batch);
         return drawing;
     };
@@ -61,25 +86,40 @@ Input placed_on_stage(Input input, const WorldOptions& world) {
     return input;
 }
 
-engine::PieceBatch batch_of(const fracture::TriangleMesh& mesh) {
+engine::PieceBatch batch_of(const fracture::TriangleMesh& mesh, const MeshLooks* looks) {
+    std::vector<engine::CornerLook> corners;
+    for (uint32_t t = 0; looks && looks->of_mesh && t < mesh.triangles.size(); ++t) {
+        const fracture::Triangle& corner = mesh.triangles[t];
+        const auto three =
+            looks->corners(t, {mesh.positions[corner.x], mesh.positions[corner.y], mesh.positions[corner.z]});
+        corners.insert(corners.end(), three.begin(), three.end());
+    }
     const std::vector<glm::vec3> positions(mesh.positions.begin(), mesh.positions.end());
     const engine::PieceMesh whole{.positions = positions,
                                   .triangles = mesh.triangles,
-                                  .exterior_triangles = static_cast<uint32_t>(mesh.triangles.size())};
+                                  .exterior_triangles = static_cast<uint32_t>(mesh.triangles.size()),
+                                  .corners = corners};
     return must(engine::PieceBatch::create({&whole, 1}));
 }
 
 PreparedPieces prepare_pieces(const engine::Renderer& renderer, const fracture::Fragments& fragments,
-                              const WorldOptions& world, const std::string& material, uint32_t threads) {
+                              const WorldOptions& world, const std::string& material, uint32_t threads,
+                              std::shared_ptr<const MeshLooks> looks) {
     PreparedPieces ahead;
-    ahead.object = {
-        .fragments = {std::shared_ptr<const fracture::Fragments>(), &fragments}, .world = world, .material = material};
+    ahead.object = {.fragments = {std::shared_ptr<const fracture::Fragments>(), &fragments},
+                    .world = world,
+                    .material = material,
+                    .looks = std::move(looks)};
     prepare(ahead.object, payload_maker(renderer), threads);
     ahead.object.fragments.reset();
     if (world.breakable) return ahead;
     std::vector<glm::vec3> positions(fragments.positions.size());
     std::vector<engine::PieceMesh> meshes;
+    const MeshLooks* const drawn =
+        ahead.object.looks && ahead.object.looks->of_mesh ? ahead.object.looks.get() : nullptr;
+    std::vector<std::vector<engine::CornerLook>> corners(drawn ? fragments.pieces.size() : 0);
     for (const fracture::Piece& piece : fragments.pieces) {
+        if (drawn) corners[meshes.size()] = corners_of(fragments, piece, *drawn);
         float radius = 0.0f;
         for (uint32_t v = piece.vertices.begin; v < piece.vertices.end; ++v) {
             positions[v] = glm::vec3(fragments.positions[v] - piece.mass.centre_of_mass);
@@ -91,26 +131,55 @@ PreparedPieces prepare_pieces(const engine::Renderer& renderer, const fracture::
                           .triangles = fragments.triangles_of(piece),
                           .exterior_triangles = piece.exterior_triangles,
                           .body = body,
-                          .tint = engine::piece_tint(body)});
+                          .tint = engine::piece_tint(body),
+                          .corners = drawn ? std::span<const engine::CornerLook>(corners[body])
+                                           : std::span<const engine::CornerLook>(),
+                          .centre = glm::vec3(piece.mass.centre_of_mass)});
     }
     ahead.batch = must(engine::PieceBatch::create(meshes));
     renderer.stage(ahead.batch);
     return ahead;
 }
 
-Stage::Stage(engine::Renderer& renderer, const fracture::TriangleMesh& mesh, const std::string& material)
-    : Stage(renderer, fracture::bounds(mesh), batch_of(mesh), material) {}
+Stage::Stage(engine::Renderer& renderer, const fracture::TriangleMesh& mesh, const std::string& material,
+             std::shared_ptr<const MeshLooks> looks)
+    : Stage(renderer, fracture::bounds(mesh), batch_of(mesh, looks.get()), material, looks) {}
 
 Stage::Stage(engine::Renderer& renderer, const fracture::Box& box, engine::PieceBatch whole,
-             const std::string& material)
+             const std::string& material, std::shared_ptr<const MeshLooks> looks)
     : renderer_(renderer),
       simulation_(material, payload_maker(renderer)), home_{glm::vec3(box.min), glm::vec3(box.max)} {
+    use_looks({std::move(looks)});
     draw_anew(std::move(whole));
+}
+
+// Passes the materials of meshes to the renderer, those of equal meshes once.
+void Stage::use_looks(std::vector<std::shared_ptr<const MeshLooks>> looks) {
+    std::vector<std::shared_ptr<const engine::MaterialSet>> sets;
+    std::vector<uint32_t> first; // by set: the materials before its own
+    uint32_t materials = 0;
+    first_materials_.clear();
+    has_materials_ = false;
+    for (const auto& one : looks) {
+        first_materials_.push_back(0);
+        if (!one) continue;
+        has_materials_ = has_materials_ || one->of_mesh;
+        const auto at = static_cast<size_t>(std::ranges::find(sets, one->materials) - sets.begin());
+        if (at == sets.size()) {
+            sets.push_back(one->materials);
+            first.push_back(materials);
+            materials += static_cast<uint32_t>(one->materials->materials.size());
+        }
+        first_materials_.back() = first[at];
+    }
+    looks_ = std::move(looks);
+    must(renderer_.set_materials(std::move(sets)));
 }
 
 void Stage::stand(const fracture::Fragments& fragments, const WorldOptions& world) {
     const physics::MaterialPreset* material = simulation_.material();
-    stand(fragments, world, prepare_pieces(renderer_, fragments, world, std::string(material ? material->name : "")));
+    stand(fragments, world,
+          prepare_pieces(renderer_, fragments, world, std::string(material ? material->name : ""), 0, looks_.front()));
 }
 
 void Stage::stand(const fracture::Fragments& fragments, const WorldOptions& world, PreparedPieces ahead) {
@@ -127,6 +196,9 @@ void Stage::stand(const fracture::Fragments& fragments, const WorldOptions& worl
 }
 
 void Stage::stand(std::vector<PreparedObject> objects, const WorldOptions& world) {
+    std::vector<std::shared_ptr<const MeshLooks>> looks;
+    for (const PreparedObject& object : objects) looks.push_back(object.looks);
+    use_looks(std::move(looks));
     simulation_.start(std::move(objects), world);
     draw_anew({});
     radii_.clear();
@@ -186,7 +258,9 @@ glm::vec3 Stage::tint_of(const physics::PieceAdded& added, std::span<const physi
 void Stage::draw(const physics::PieceAdded& added, const glm::vec3& tint, PartPool& left, FreshParts& fresh) {
     auto& drawing = static_cast<PieceDrawing&>(*added.payload);
     engine::PieceAttachment attachment = attachment_of(*added.solid, added.slot, tint, added.id);
-    if (!surface_of_.empty()) attachment.surface = surface_of_[simulation_.member_of(added.object)];
+    const uint32_t member = simulation_.member_of(added.object);
+    if (!surface_of_.empty()) attachment.surface = surface_of_[member];
+    attachment.first_material = first_materials_[member];
     Drawn& drawn = drawn_[added.id] = {{}, tint, added.object};
     std::vector<engine::PieceHandle> kept;
     std::vector<fracture::ClusterBranch> missing;
@@ -205,7 +279,7 @@ void Stage::draw(const physics::PieceAdded& added, const glm::vec3& tint, PartPo
             fresh.owners.emplace_back(added.id, branches.empty() ? std::nullopt : std::optional(branches[k]));
         fresh.batches.push_back(std::move(batch));
     };
-    if (!missing.empty()) add(draw_branches(*added.solid, missing), missing);
+    if (!missing.empty()) add(draw_branches(*added.solid, missing, looks_[member].get()), missing);
     add(std::move(drawing.batch), drawing.made);
 }
 
@@ -371,6 +445,8 @@ engine::Scene Stage::scene() {
     scene.look.exterior = look.exterior;
     scene.look.interior = look.interior;
     scene.look.tint = look.tint;
+    scene.look.grain = look.grain;
+    scene.materials = shows_materials();
     scene.surfaces = surfaces_;
     shown_spheres_ = spheres_;
     for (const Simulation::Ball& ball : simulation_.balls()) {

@@ -13,6 +13,7 @@
 #pragma once
 
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -25,6 +26,7 @@
 #include "physics/cutting/piece_payload.h"
 #include "physics/world/world.h"
 #include "tools/brittle/recipe/input.h"
+#include "tools/brittle/run/mesh_looks.h"
 #include "tools/brittle/run/piece_drawing.h"
 #include "tools/brittle/run/simulation.h"
 #include "tools/brittle/run/stage_placement.h"
@@ -35,7 +37,7 @@ namespace brittle::tools {
 [[nodiscard]] Input placed_on_stage(Input input, const WorldOptions& world = {});
 
 // Returns the unbroken mesh in the form that the renderer draws. On any thread. Throws a Failure.
-[[nodiscard]] engine::PieceBatch batch_of(const fracture::TriangleMesh& mesh);
+[[nodiscard]] engine::PieceBatch batch_of(const fracture::TriangleMesh& mesh, const MeshLooks* looks = nullptr);
 
 // Results of the slow part of putting pieces on the stage.
 struct PreparedPieces {
@@ -48,18 +50,19 @@ struct PreparedPieces {
 // Failure.
 [[nodiscard]] PreparedPieces prepare_pieces(const engine::Renderer& renderer, const fracture::Fragments& fragments,
                                             const WorldOptions& world, const std::string& material,
-                                            uint32_t threads = 0);
+                                            uint32_t threads = 0, std::shared_ptr<const MeshLooks> looks = {});
 
 // Returns what makes the payloads of breakable pieces for a renderer, on any thread.
-[[nodiscard]] physics::PayloadMaker payload_maker(const engine::Renderer& renderer);
+[[nodiscard]] DrawingMaker payload_maker(const engine::Renderer& renderer);
 
 class Stage {
   public:
     // Shows the unbroken mesh, or a batch made from it, in its box. The renderer must outlive the stage. `material` is
-    // the name of a preset, or empty.
-    Stage(engine::Renderer& renderer, const fracture::TriangleMesh& mesh, const std::string& material = {});
+    // the name of a preset, or empty. `looks`: of the mesh, with which the batch was made; or null.
+    Stage(engine::Renderer& renderer, const fracture::TriangleMesh& mesh, const std::string& material = {},
+          std::shared_ptr<const MeshLooks> looks = {});
     Stage(engine::Renderer& renderer, const fracture::Box& box, engine::PieceBatch whole,
-          const std::string& material = {});
+          const std::string& material = {}, std::shared_ptr<const MeshLooks> looks = {});
     // Shows nothing until stand(). `home`: the bounds that home_bounds() returns.
     Stage(engine::Renderer& renderer, const fracture::Box& home) : Stage(renderer, home, {}) {}
 
@@ -91,6 +94,9 @@ class Stage {
     void hide(std::vector<bool> hidden);
     // Draws lines through the pieces.
     void show_lines(std::vector<engine::LineVertex> lines) { own_lines_ = std::move(lines); }
+    void colour_by(PieceColours colours) { colours_ = colours; }
+    // Whether the scene is drawn with materials: as colour_by() says, or where a mesh has some.
+    [[nodiscard]] bool shows_materials() const { return tools::shows_materials(colours_, has_materials_); }
     void show_hulls(bool show) { hulls_ = show; } // collision hulls as red lines
 
     // Returns the scene at this moment, without a camera; valid until the stage changes.
@@ -126,6 +132,7 @@ class Stage {
                                     const std::map<physics::PieceId, glm::vec3>& before) const;
     void place(engine::Scene& scene);
     void choose_surfaces();
+    void use_looks(std::vector<std::shared_ptr<const MeshLooks>> looks);
     void draw_all_poses();
     [[nodiscard]] physics::Pose drawn_pose(uint32_t slot, const physics::Pose& pose) const;
     [[nodiscard]] bool is_hidden(physics::ObjectId object) const;
@@ -140,16 +147,20 @@ class Stage {
         glm::vec3 tint;
         physics::ObjectId object;
     };
-    std::map<physics::PieceId, Drawn> drawn_;   // pieces of a breakable world
-    std::vector<engine::SurfaceLook> surfaces_; // of the scene
-    std::vector<uint32_t> surface_of_;          // by object of the simulation: PieceAttachment::surface
-    std::vector<physics::Pose> carried_;        // by object of the simulation: set by carry()
-    std::vector<bool> hidden_;                  // by object of the simulation: set by hide()
-    bool untinted_ = false;      // uncut pieces keep the look of the unbroken mesh: the world started whole
-    size_t max_pieces_ = 0;      // limit beyond which debris is removed
-    uint64_t moment_ = 0;        // number of the scene's pose state: moment_before_ + steps
-    uint64_t moment_before_ = 1; // moment at step 0 of this run
-    uint64_t all_moved_ = 0;     // last moment at which every pose changed
+    std::map<physics::PieceId, Drawn> drawn_;             // pieces of a breakable world
+    std::vector<engine::SurfaceLook> surfaces_;           // of the scene
+    std::vector<uint32_t> surface_of_;                    // by object of the simulation: PieceAttachment::surface
+    std::vector<std::shared_ptr<const MeshLooks>> looks_; // of the mesh; or by object of the simulation
+    std::vector<uint32_t> first_materials_;               // by entry of looks_: PieceAttachment::first_material
+    bool has_materials_ = false;                          // whether a mesh has some
+    PieceColours colours_ = PieceColours::automatic;
+    std::vector<physics::Pose> carried_; // by object of the simulation: set by carry()
+    std::vector<bool> hidden_;           // by object of the simulation: set by hide()
+    bool untinted_ = false;              // uncut pieces keep the look of the unbroken mesh: the world started whole
+    size_t max_pieces_ = 0;              // limit beyond which debris is removed
+    uint64_t moment_ = 0;                // number of the scene's pose state: moment_before_ + steps
+    uint64_t moment_before_ = 1;         // moment at step 0 of this run
+    uint64_t all_moved_ = 0;             // last moment at which every pose changed
     std::vector<physics::DebugLine> debug_lines_;
     std::vector<engine::LineVertex> own_lines_, lines_;
     std::vector<engine::Sphere> spheres_, shown_spheres_; // the sites; sites and balls

@@ -23,6 +23,7 @@ constexpr std::array bindings{
     KeyBinding{key('X'), none, Command::explode, "X", "exploded view"},
     KeyBinding{key('V'), none, Command::cells, "V", "Voronoi cells, on the mesh as it will break"},
     KeyBinding{key('S'), none, Command::sites, "S", "sites"},
+    KeyBinding{key('C'), none, Command::colours, "C", "materials, or a colour for each piece"},
     KeyBinding{key('O'), none, Command::wireframe, "O", "edges of triangles"},
     KeyBinding{key('N'), none, Command::smooth, "N", "smooth or flat"},
     KeyBinding{key('D'), none, Command::hulls, "D", "collision hulls"},

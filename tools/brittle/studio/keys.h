@@ -16,6 +16,7 @@ enum class Command {
     frame,
     explode,
     wireframe,
+    colours,
     smooth,
     hulls,
     bonds,

@@ -64,25 +64,48 @@ std::shared_ptr<const Object> Object::load(const FractureOptions& options, const
             made->turned_.push_back(object.object.placement.rotation);
         return made;
     }
-    Input input = load_mesh_only(options.mesh);
+    Input input = load_mesh_only(options.mesh, true);
     input.units = options.units;
     prepare_mesh(options, input);
     const auto report = fracture::check_topology(input.model.mesh.positions.size(), input.model.mesh.triangles);
     if (!report.closed()) throw Failure(exit_mesh, input.name + ": " + fracture::describe(report));
     std::string overlap = options.unite ? std::string() : overlap_of(input.model.mesh);
-    return std::shared_ptr<const Object>(new Object(std::move(input), std::move(overlap), options.world));
+    std::vector<std::string> notes = std::move(input.model.notes);
+    const std::optional<fracture::Image> cuts = interior_image(options.picture);
+    auto materials = materials_of(input.model, notes, cuts ? &*cuts : nullptr);
+    input.model.images.clear(); // decoded; an export reads the file again
+    const std::shared_ptr<Object> made(
+        new Object(std::move(input), std::move(overlap), options.world, std::move(materials)));
+    made->look_notes_ = std::move(notes);
+    return made;
 }
 
 std::shared_ptr<const Object> Object::placed_for(const WorldOptions& world) const {
-    return std::shared_ptr<const Object>(new Object(file_, overlap_, world));
+    const std::shared_ptr<Object> made(new Object(file_, overlap_, world, materials_));
+    made->look_notes_ = look_notes_;
+    return made;
 }
 
-Object::Object(Input file, std::string overlap, const WorldOptions& world)
-    : file_(std::move(file)), stage_(placed_on_stage(file_, world)), overlap_(std::move(overlap)), world_(world),
+namespace {
+
+// The mesh on the stage with its looks, and without the attributes that they are made from.
+Input on_stage(const Input& file, const WorldOptions& world, std::shared_ptr<const engine::MaterialSet> materials) {
+    Input input = placed_on_stage(file, world);
+    input.looks = looks_of(input.model, input.model.mesh, std::move(materials));
+    keep_mesh_only(input.model);
+    return input;
+}
+
+} // namespace
+
+Object::Object(Input file, std::string overlap, const WorldOptions& world,
+               std::shared_ptr<const engine::MaterialSet> materials)
+    : file_(std::move(file)), stage_(on_stage(file_, world, materials)), overlap_(std::move(overlap)),
+      materials_(std::move(materials)), world_(world),
       placement_(placement_on_stage(file_.model.mesh, world, file_.units)),
-      tree_(stage_.model.mesh, all_triangles(stage_.model.mesh)), batch_(batch_of(stage_.model.mesh)),
-      home_(fracture::bounds(stage_.model.mesh)), extent_(fracture::bounds(file_.model.mesh)),
-      triangles_(stage_.model.mesh.triangles.size()) {}
+      tree_(stage_.model.mesh, all_triangles(stage_.model.mesh)),
+      batch_(batch_of(stage_.model.mesh, stage_.looks.get())), home_(fracture::bounds(stage_.model.mesh)),
+      extent_(fracture::bounds(file_.model.mesh)), triangles_(stage_.model.mesh.triangles.size()) {}
 
 Object::Object(LoadedScene scene, std::vector<PreparedObject> parts)
     : file_(no_mesh()), stage_(file_), world_(scene.world), tree_(stage_.model.mesh, {}), home_(scene.home),
@@ -154,7 +177,7 @@ Hit Object::exit_after(const Hit& hit, const glm::dvec3& direction) const {
 }
 
 std::vector<PreparedObject> parts_of(const Object& object, const engine::Renderer& renderer, uint32_t threads) {
-    const physics::PayloadMaker payload = payload_maker(renderer);
+    const DrawingMaker payload = payload_maker(renderer);
     std::vector<PreparedObject> parts;
     for (const PreparedObject& part : object.parts()) parts.push_back(copy_of(part, payload, threads));
     if (object.is_scene()) (void)find_glue(object.scene(), parts);

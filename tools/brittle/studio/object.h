@@ -13,6 +13,7 @@
 #include "engine/render/renderer.h"
 #include "fracture/mesh/triangle_tree.h"
 #include "tools/brittle/recipe/input.h"
+#include "tools/brittle/run/mesh_looks.h"
 #include "tools/brittle/run/scene.h"
 #include "tools/brittle/run/scene_cache.h"
 #include "tools/brittle/run/stage_placement.h"
@@ -55,6 +56,10 @@ class Object {
     [[nodiscard]] const fracture::TriangleMesh& mesh() const { return stage_.model.mesh; } // on the stage
     // The batch of mesh(), in the form that the renderer draws; empty for a scene, whose pieces are drawn.
     [[nodiscard]] const engine::PieceBatch& batch() const { return batch_; }
+    // Of mesh(), with the image for fracture surfaces of the recipe that was loaded; null without.
+    [[nodiscard]] const std::shared_ptr<const MeshLooks>& looks() const { return stage_.looks; }
+    // Sentences for people about looks that are not shown.
+    [[nodiscard]] const std::vector<std::string>& look_notes() const { return look_notes_; }
     // See overlap_of(). Empty for a mesh that was united.
     [[nodiscard]] const std::string& overlap() const { return overlap_; }
     [[nodiscard]] double import_milliseconds() const { return file_.import_milliseconds; }
@@ -76,11 +81,14 @@ class Object {
     [[nodiscard]] Hit exit_after(const Hit& hit, const glm::dvec3& direction) const;
 
   private:
-    Object(Input file, std::string overlap, const WorldOptions& world);
+    Object(Input file, std::string overlap, const WorldOptions& world,
+           std::shared_ptr<const engine::MaterialSet> materials);
     Object(LoadedScene scene, std::vector<PreparedObject> parts);
 
     Input file_, stage_;
     std::string overlap_;
+    std::shared_ptr<const engine::MaterialSet> materials_; // of the file; or null
+    std::vector<std::string> look_notes_;
     WorldOptions world_;
     StagePlacement placement_;
     fracture::TriangleTree tree_;

@@ -138,6 +138,11 @@ void Panels::view_panel(const PanelState& state) {
         second_column();
         toggle("Wireframe", "Edges of triangles (O)", view.wireframe);
     }
+    bool materials = state.session.stage().shows_materials();
+    if (toggle("Materials",
+               "Materials and textures of the mesh, with a grain in the cuts; or a colour for each piece (C)",
+               materials))
+        view.colours = materials ? PieceColours::materials : PieceColours::pieces;
 }
 
 void Panels::certificate(const PanelState& state) {

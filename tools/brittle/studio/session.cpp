@@ -69,7 +69,7 @@ Session::Session(FractureOptions recipe, std::shared_ptr<const Object> object, e
     recorder_.emplace(document_.recipe());
     make_stage();
     sites_.generate(document_.recipe(), *object_);
-    if (object_->is_scene()) tell_notes();
+    tell_notes();
 }
 
 Session::~Session() {
@@ -84,7 +84,7 @@ void Session::leave_piece() {
 
 // `parts`: those of a scene with their payloads, made ahead; or empty.
 void Session::make_stage(std::vector<PreparedObject> parts) {
-    stage_ = std::make_unique<Stage>(renderer_, object_->home(), object_->batch(), recipe().material);
+    stage_ = std::make_unique<Stage>(renderer_, object_->home(), object_->batch(), recipe().material, object_->looks());
     stage_->simulation().commit_as(physics::Timing::when_ready);
     stage_->simulation().observe(&*recorder_);
     ++stages_;
@@ -195,7 +195,7 @@ void Session::adopt(std::shared_ptr<const Object> object, std::vector<PreparedOb
         report(failure);
     }
     if (!object_->is_scene() && files_.opened) files_.opened(recipe().mesh);
-    if (object_->is_scene() && !(before->is_scene() && before->scene().notes == object_->scene().notes)) tell_notes();
+    if (!(object_->is_scene() && before->is_scene() && before->scene().notes == object_->scene().notes)) tell_notes();
     playing_ = std::exchange(play_due_, false) && object_->is_scene();
     if (object_->is_scene()) lay_down();
 }
@@ -326,8 +326,8 @@ void Session::start_breaking(const WorldOptions& world) {
         const Input input = object->with_sites(options);
         auto made = std::make_shared<Broken>(break_input(
             input, options, [this](double share) { activity_.set_share(share); }, classifier_, cancelled));
-        auto ahead =
-            std::make_shared<PreparedPieces>(prepare_pieces(renderer_, made->fragments, stands, options.material));
+        auto ahead = std::make_shared<PreparedPieces>(
+            prepare_pieces(renderer_, made->fragments, stands, options.material, 0, object->looks()));
         activity_.post([this, made, ahead, stands, stage] {
             if (stages_ == stage) take_pieces(std::move(*made), std::move(*ahead), stands);
         });
@@ -456,6 +456,7 @@ engine::Scene Session::scene(const engine::Camera& camera) {
     const PictureOptions& view = recipe().picture;
     stage_->show_hulls(view.hulls);
     stage_->explode(view.explode);
+    stage_->colour_by(view.colours);
     const bool marks_sites =
         !broken() && (view.sites || preview_.wanted) && !preview_.aims_at_whole() && recipe().strikes.empty();
     stage_->show_sites(marks_sites || (broken() && view.sites) ? std::span(sites_.on_stage())
@@ -471,7 +472,10 @@ engine::Scene Session::scene(const engine::Camera& camera) {
     engine::Scene scene = stage_->scene();
     // Only a part broke: the rest keeps its look.
     if (broken() && !recipe().strikes.empty()) scene.look.tint = std::min(scene.look.tint, tint_of_the_struck);
-    if (shown) scene.look.tint = preview_tint;
+    if (shown) { // pieces to come, whose colours tell them apart
+        scene.look.tint = preview_tint;
+        scene.materials = false;
+    }
     if (broken() && scene.write_poses) {
         if (const physics::Destruction* destruction = stage_->simulation().destruction())
             poses_.resize(destruction->slot_count());

@@ -78,7 +78,8 @@ bool Session::follow_places() {
 // Says what is wrong with a level, then which objects of a scene cannot be broken, and why.
 void Session::tell_notes(std::span<const std::string> of_level) {
     std::string text;
-    for (const std::span<const std::string> notes : {of_level, std::span<const std::string>(object_->scene().notes)})
+    const std::vector<std::string>& own = object_->is_scene() ? object_->scene().notes : object_->look_notes();
+    for (const std::span<const std::string> notes : {of_level, std::span<const std::string>(own)})
         for (const std::string& note : notes) text += (text.empty() ? "" : "\n") + note;
     if (!text.empty()) activity_.say({text, true});
 }

@@ -168,6 +168,9 @@ bool Studio::perform_view(Command action) {
         return true;
     case Command::wireframe:
         return device_.has_line_mode() ? toggle(view.wireframe) : true;
+    case Command::colours:
+        view.colours = session_.stage().shows_materials() ? PieceColours::pieces : PieceColours::materials;
+        return true;
     case Command::smooth:
         return toggle(view.smooth);
     case Command::hulls:

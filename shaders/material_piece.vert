@@ -1,0 +1,33 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Pieces with the materials of their mesh, and those without any in the view of materials.
+#include "material_vertex.glsl"
+
+layout(location = 1) in vec3 normal;
+layout(location = 0) out vec3 from_eye;
+layout(location = 1) flat out vec4 albedo;
+layout(location = 2) out vec3 smooth_normal;
+layout(location = 3) out vec3 in_object;
+layout(location = 4) out vec2 uv;
+layout(location = 5) out vec4 vertex_colour;
+layout(location = 6) flat out uint material; // 1 + index of the MeshMaterial, or 0
+layout(location = 7) flat out int grain;     // of a fracture surface, or -1
+
+vec3 linear_of(vec3 srgb) {
+    return mix(pow((srgb + 0.055) / 1.055, vec3(2.4)), srgb / 12.92, lessThanEqual(srgb, vec3(0.04045)));
+}
+
+void main() {
+    DrawData draw = draws[gl_InstanceIndex];
+    bool exterior = draw.material % 2 == material_exterior;
+    from_eye = transform_vertex(draw, position, frame.eye.xyz);
+    vec4 look = frame.materials[draw.material];
+    albedo = vec4(look.rgb, unpackUnorm4x8(draw.tint).a);
+    smooth_normal = exterior ? rotate(poses[draw.body].rotation, normal) : vec3(0.0);
+    in_object = position + draw.offset.xyz + draw.object.xyz;
+    grain = exterior ? -1 : int(look.w);
+    material = material_of(draw);
+    uv = material != 0u ? texture_uv : vec2(0.0);
+    vertex_colour = material != 0u ? vec4(linear_of(vertex_srgb.rgb), vertex_srgb.a) : vec4(1.0);
+    gl_Position = frame.clip_from_eye * vec4(from_eye, 1.0);
+}
