@@ -1,0 +1,47 @@
+"""The machine, and how busy others keep it."""
+import os
+import platform
+from pathlib import Path
+
+TICK = os.sysconf("SC_CLK_TCK")
+
+
+def text_of(path):
+    try:
+        return Path(path).read_text(encoding="utf-8", errors="replace").strip()
+    except OSError:
+        return ""
+
+
+def describe():
+    model = next((line.partition(":")[2].strip() for line in text_of("/proc/cpuinfo").splitlines()
+                  if line.startswith("model name")), platform.machine())
+    kibibytes = next((int(line.split()[1]) for line in text_of("/proc/meminfo").splitlines() if line.startswith("MemTotal")), 0)
+    return {"processor": model, "cores": os.cpu_count() or 1, "memory": f"{kibibytes / 2**20:.0f} GiB",
+            "governor": text_of("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor") or "not shown by this machine",
+            "system": text_of("/etc/os-release").partition('PRETTY_NAME="')[2].partition('"')[0] or platform.system(),
+            "kernel": platform.release()}
+
+
+def load():
+    return os.getloadavg()[0]
+
+
+def busy_seconds():
+    """Processor time of all processes since the start, with what a hypervisor took."""
+    user, nice, system, _, _, irq, softirq, steal = map(int, text_of("/proc/stat").split("\n")[0].split()[1:9])
+    return (user + nice + system + irq + softirq + steal) / TICK
+
+
+def seconds_of(pid):
+    """Processor time of a process with its threads, 0 once it has ended."""
+    fields = text_of(f"/proc/{pid}/stat").rpartition(")")[2].split()
+    return (int(fields[11]) + int(fields[12])) / TICK if len(fields) > 12 else 0.0
+
+
+def memory_of(pid, key="VmHWM"):
+    """MiB; VmHWM is the peak so far, VmRSS the present value."""
+    for line in text_of(f"/proc/{pid}/status").splitlines():
+        if line.startswith(key + ":"):
+            return int(line.split()[1]) / 1024
+    return 0.0
