@@ -225,3 +225,18 @@ TEST_CASE("gate: a surface in the plane of a bisector is no cap") {
     const std::vector<double> volumes{8.0, 0.0};
     CHECK(Gate(cube, mirrored, volumes).check({cube}).reason() == "");
 }
+
+TEST_CASE("gate: pieces may cross themselves along the crossings of the input, and nowhere else") {
+    Part input = box({-1, -1, -1}, {1, 1, 1});
+    append(input, box({0.2, -2, 0.3}, {0.7, 2, 1.6}));
+    const std::vector<Point> sites{{0, -1, 0}, {0, 1.2, 0}}; // cut at y = 0.1
+    const std::vector<double> volumes{1.0, 1.0};             // not asked here
+    const Gate gate(input, sites, volumes);
+    const auto below = [](double moved) {
+        Part piece = box({-1, -1, -1}, {1, 0.1, 1});
+        append(piece, box({0.2 + moved, -2, 0.3}, {0.7 + moved, 0.1, 1.6}));
+        return piece;
+    };
+    CHECK(gate.check({below(0.0)}).crossing == 0);
+    CHECK(gate.check({below(0.02)}).crossing == 1);
+}

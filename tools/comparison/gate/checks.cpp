@@ -7,11 +7,15 @@
 #include <map>
 #include <memory>
 #include <numeric>
+#include <optional>
 #include <unordered_map>
 
 namespace brittle::comparison {
 
 namespace {
+
+// How far from a crossing of the input one of a piece may lie, in tolerances.
+constexpr double near_crossing = 1e3;
 
 Point minus(const Point& a, const Point& b) {
     return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
@@ -187,15 +191,33 @@ bool pierces(const Point& from, const Point& to, const Face& face, double depth,
     return true;
 }
 
-std::vector<Point> crossings(const Part& part, double depth) {
-    std::vector<Point> found;
+// From a point to a segment.
+double distance(const Point& p, const Crossing& segment) {
+    const Point along = minus(segment.end, segment.begin), to = minus(p, segment.begin);
+    const double square = dot(along, along), share = square > 0.0 ? std::clamp(dot(to, along) / square, 0.0, 1.0) : 0.0;
+    Point apart;
+    for (int k = 0; k < 3; ++k) apart[k] = to[k] - share * along[k];
+    return length(apart);
+}
+
+// Where edges of two triangles pierce the other one: the ends of the segment that both share, or one point twice.
+std::vector<Crossing> crossings(const Part& part, double depth) {
+    std::vector<Crossing> found;
     visit_pairs(part, [&](uint32_t s, uint32_t t) {
         const Face first(part, part.triangles[s]), second(part, part.triangles[t]);
-        Point at;
+        std::optional<Crossing> pair;
+        const auto add = [&](const Point& from, const Point& to, const Face& face) {
+            Point at;
+            if (pierces(from, to, face, depth, at)) pair = {pair ? pair->begin : at, at};
+        };
         for (int k = 0; k < 3; ++k) {
-            if (pierces(first.corners[k], first.corners[(k + 1) % 3], second, depth, at)) found.push_back(at);
-            if (pierces(second.corners[k], second.corners[(k + 1) % 3], first, depth, at)) found.push_back(at);
+            add(first.corners[k], first.corners[(k + 1) % 3], second);
+            add(second.corners[k], second.corners[(k + 1) % 3], first);
         }
+        if (!pair) return;
+        for (const Point& corner : first.corners) // triangles with a common corner cross from there
+            if (std::ranges::find(second.corners, corner) != std::end(second.corners)) pair->end = corner;
+        found.push_back(*pair);
     });
     return found;
 }
@@ -376,9 +398,13 @@ Verdict Gate::check(const std::vector<Part>& pieces) const {
         verdict.open_exactly += !closed_exactly;
         verdict.open += !closed;
         // Where the input crosses itself, its pieces may.
-        verdict.crossing += std::ranges::any_of(crossings(piece, tolerance_), [&](const Point& at) {
-            return std::ranges::none_of(input_crossings_,
-                                        [&](const Point& p) { return length(minus(p, at)) < 1e3 * tolerance_; });
+        const auto is_input = [&](const Point& at) {
+            return std::ranges::any_of(input_crossings_, [&](const Crossing& input) {
+                return distance(at, input) <= near_crossing * tolerance_;
+            });
+        };
+        verdict.crossing += std::ranges::any_of(crossings(piece, tolerance_), [&](const Crossing& own) {
+            return !is_input(own.begin) || !is_input(own.end);
         });
         double volume = 0.0, surface = 0.0;
         Point centroid{};

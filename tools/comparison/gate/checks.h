@@ -32,6 +32,11 @@ struct Verdict {
     [[nodiscard]] std::string reason() const;
 };
 
+// A segment along which two triangles cross each other.
+struct Crossing {
+    Point begin{}, end{};
+};
+
 class Gate {
   public:
     // `volumes`: of the solid in each cell.
@@ -46,7 +51,7 @@ class Gate {
     std::span<const Point> sites_;
     std::span<const double> volumes_;
     double tolerance_; // m
-    std::vector<Point> input_crossings_;
+    std::vector<Crossing> input_crossings_;
 };
 
 } // namespace brittle::comparison
