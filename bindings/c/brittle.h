@@ -342,7 +342,9 @@ BRITTLE_API void brittle_surface_free(brittle_surface* surface);
 
 typedef struct brittle_hulls brittle_hulls;
 /* Convex hulls of all pieces. max_parts: hulls of one piece at most, 1 to 256; 1 gives one hull a piece, more follow
- * pieces that are not convex. max_vertices: of one hull, 8 to 255. Hulls lie a small margin inside their pieces. */
+ * pieces that are not convex. max_vertices: of one hull, 8 to 255. Hulls lie a small margin inside their pieces, and
+ * have no corner that reaches less than 5 thousandths of their extent: engines in single precision push pieces apart
+ * along the narrow faces beside such corners. */
 BRITTLE_API brittle_status brittle_pieces_hulls(const brittle_pieces* pieces, uint32_t max_parts, uint32_t max_vertices,
                                                 brittle_hulls** out, brittle_error* error);
 enum {

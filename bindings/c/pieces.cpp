@@ -28,7 +28,10 @@ namespace {
 
 void add_hull(const physics::CollisionHull& hull, const glm::vec3& offset, uint32_t piece, brittle_hulls& out) {
     const auto begin = static_cast<uint32_t>(out.points.size());
-    for (const glm::vec3& point : hull.points) out.points.push_back(point + offset);
+    const fracture::TriangleMesh plain = physics::plain_hull(hull.points);
+    for (const glm::dvec3& point : plain.positions) out.points.push_back(glm::vec3(point) + offset);
+    if (plain.positions.empty()) // flatter than single precision tells from a plane
+        for (const glm::vec3& point : hull.points) out.points.push_back(point + offset);
     out.ranges.push_back({begin, static_cast<uint32_t>(out.points.size())});
     out.pieces.push_back(piece);
     out.margins.push_back(hull.margin);

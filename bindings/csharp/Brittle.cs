@@ -439,7 +439,7 @@ public static unsafe class Brittle
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
     public static extern void brittle_surface_free(brittle_surface* surface);
 
-    /// <summary>Convex hulls of all pieces. max_parts: hulls of one piece at most, 1 to 256; 1 gives one hull a piece, more follow pieces that are not convex. max_vertices: of one hull, 8 to 255. Hulls lie a small margin inside their pieces.</summary>
+    /// <summary>Convex hulls of all pieces. max_parts: hulls of one piece at most, 1 to 256; 1 gives one hull a piece, more follow pieces that are not convex. max_vertices: of one hull, 8 to 255. Hulls lie a small margin inside their pieces, and have no corner that reaches less than 5 thousandths of their extent: engines in single precision push pieces apart along the narrow faces beside such corners.</summary>
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
     public static extern int brittle_pieces_hulls(brittle_pieces* pieces, uint max_parts, uint max_vertices, brittle_hulls** @out, brittle_error* error);
 

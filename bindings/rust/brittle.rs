@@ -389,7 +389,7 @@ extern "C" {
     pub fn brittle_surface_part(surface: *const brittle_surface, part: u64, material: *mut u32, interior: *mut u32, error: *mut brittle_error) -> i32;
     pub fn brittle_surface_array(surface: *const brittle_surface, part: u64, which: u32, out: *mut brittle_array, error: *mut brittle_error) -> i32;
     pub fn brittle_surface_free(surface: *mut brittle_surface);
-    /// Convex hulls of all pieces. max_parts: hulls of one piece at most, 1 to 256; 1 gives one hull a piece, more follow pieces that are not convex. max_vertices: of one hull, 8 to 255. Hulls lie a small margin inside their pieces.
+    /// Convex hulls of all pieces. max_parts: hulls of one piece at most, 1 to 256; 1 gives one hull a piece, more follow pieces that are not convex. max_vertices: of one hull, 8 to 255. Hulls lie a small margin inside their pieces, and have no corner that reaches less than 5 thousandths of their extent: engines in single precision push pieces apart along the narrow faces beside such corners.
     pub fn brittle_pieces_hulls(pieces: *const brittle_pieces, max_parts: u32, max_vertices: u32, out: *mut *mut brittle_hulls, error: *mut brittle_error) -> i32;
     pub fn brittle_hulls_array(hulls: *const brittle_hulls, which: u32, out: *mut brittle_array, error: *mut brittle_error) -> i32;
     pub fn brittle_hulls_free(hulls: *mut brittle_hulls);

@@ -7,8 +7,8 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
+#include "fracture/base/threads.h"
 #include "physics/cutting/convex_parts.h"
-#include "physics/cutting/job_threads.h"
 
 namespace brittle::physics {
 
@@ -39,9 +39,11 @@ std::vector<Plane> planes_of(const fracture::TriangleMesh& mesh) {
     return planes;
 }
 
-// Returns the convex hull of points without the corners that reach little. Starts with four corners; the next one is
-// always that which reaches farthest beyond the hull of those before it.
+} // namespace
+
+// Starts with four corners; the next one is always that which reaches farthest beyond the hull of those before it.
 fracture::TriangleMesh plain_hull(std::span<const glm::vec3> points) {
+    if (points.size() < 4) return {};
     glm::vec3 low = points.front(), high = low;
     for (const glm::vec3& p : points) {
         low = glm::min(low, p);
@@ -75,8 +77,6 @@ fracture::TriangleMesh plain_hull(std::span<const glm::vec3> points) {
     }
 }
 
-} // namespace
-
 std::vector<fracture::TriangleMesh> hull_meshes(const fracture::Fragments& fragments, const fracture::Piece& piece,
                                                 std::span<const HullPlane> planes, const HullMeshSettings& settings) {
     const glm::dvec3 centre = piece.mass.centre_of_mass;
@@ -96,8 +96,9 @@ std::vector<std::vector<fracture::TriangleMesh>> hull_meshes(const fracture::Fra
                                                              const HullMeshSettings& settings, uint32_t threads) {
     const std::vector<std::vector<HullPlane>> planes = contact_planes(fragments);
     std::vector<std::vector<fracture::TriangleMesh>> hulls(fragments.pieces.size());
-    for_each_on(threads_of(threads), hulls.size(),
-                [&](size_t p) { hulls[p] = hull_meshes(fragments, fragments.pieces[p], planes[p], settings); });
+    fracture::Threads pool(threads);
+    pool.for_each(static_cast<uint32_t>(hulls.size()),
+                  [&](uint32_t p) { hulls[p] = hull_meshes(fragments, fragments.pieces[p], planes[p], settings); });
     return hulls;
 }
 

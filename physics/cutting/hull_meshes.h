@@ -27,6 +27,10 @@ struct HullMeshSettings {
     uint32_t max_vertices = 32; // of one hull, at least 8
 };
 
+// Returns the convex hull of points as a closed mesh, without the corners that reach less than 5 thousandths of the
+// longest extent beyond the hull of the others. Fewer than 4 points, or coplanar ones, may give an empty mesh.
+[[nodiscard]] fracture::TriangleMesh plain_hull(std::span<const glm::vec3> points);
+
 // Returns the hulls of one piece. `planes`: those of its contacts, see contact_planes().
 [[nodiscard]] std::vector<fracture::TriangleMesh> hull_meshes(const fracture::Fragments& fragments,
                                                               const fracture::Piece& piece,

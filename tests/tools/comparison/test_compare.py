@@ -59,7 +59,8 @@ def main():
         done = compare(*words)
         if done.returncode != 1 or part not in done.stderr:
             wrong.append(f"{words} gives {done.returncode} and '{done.stderr.strip()}'")
-    sys.exit("\n".join(wrong))
+    if wrong:
+        sys.exit("\n".join(wrong))
 
 
 main()
