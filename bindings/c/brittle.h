@@ -25,8 +25,9 @@
  * or a text that a handle gives out is borrowed: it is valid, and does not change, until the handle is freed.
  * Arguments are read during the call only.
  *
- * Threads. Meshes, sites, pieces, surfaces, hulls, files and events never change after they were made: any number of
- * threads may read one at a time. A world and a workspace serve one thread at a time. Everything else is reentrant.
+ * Threads. Meshes, sites, pieces, surfaces, hulls, files, recipes and events never change after they were made: any number of
+ * threads may read one at a time. A world, a run and a workspace serve one thread at a time. Everything else is
+ * reentrant.
  *
  * Growth. Structures begin with struct_size, their size in the header that the caller was compiled with. A library
  * gives fields that the caller does not know their defaults, and refuses fields that it does not know itself unless
@@ -504,6 +505,121 @@ BRITTLE_API brittle_status brittle_events_added_array(const brittle_events* even
                                                       brittle_array* out, uint32_t* exterior_triangles,
                                                       brittle_error* error);
 BRITTLE_API void brittle_events_free(brittle_events* events);
+
+/* ---- Recipes --------------------------------------------------------------------------------------------------- */
+
+/* A recipe (docs/scenes.md, assets/recipe.schema.json): a mesh or a scene, how it breaks, and its world. It never
+ * changes after it was made. */
+typedef struct brittle_recipe brittle_recipe;
+
+/* Long calls of recipes, runs and replays. */
+typedef struct brittle_load_settings {
+    uint32_t struct_size;
+    uint32_t threads; /* 0: one per core; at most 1024 */
+    /* Called with the completed share of the work, 0 to 1, by one thread at a time, on any thread; or NULL. */
+    void (*progress)(void* user, double share);
+    /* Asked many times, on any thread, also at once; other than 0 cancels. Or NULL. */
+    int32_t (*cancelled)(void* user);
+    /* Told what was done to a mesh (repair, union), in lines without the last end; or NULL. */
+    void (*report)(void* user, const char* text);
+    void* user; /* for all three */
+    /* Cancels as soon as it is other than 0. Any thread may set it during the call, by an atomic store. Or NULL. */
+    const int32_t* cancel_flag;
+} brittle_load_settings;
+BRITTLE_API void brittle_load_settings_init(brittle_load_settings* settings, size_t struct_size);
+
+/* Reads a recipe; paths in it count from its folder. Errors: file_not_found, malformed_file with a message that names
+ * the file, the place in it and the expected value. */
+BRITTLE_API brittle_status brittle_recipe_load(const char* path, brittle_recipe** out, brittle_error* error);
+/* The same from JSON text of at most 1 MiB. Paths in it count from `folder`; NULL: the working folder. */
+BRITTLE_API brittle_status brittle_recipe_parse(const char* json, const char* folder, brittle_recipe** out,
+                                                brittle_error* error);
+/* The recipe with all its settings, as JSON; paths count from the working folder. */
+BRITTLE_API brittle_status brittle_recipe_text(const brittle_recipe* recipe, brittle_text** out, brittle_error* error);
+/* Writes it; paths count from the folder of the file. Errors: write_failed. */
+BRITTLE_API brittle_status brittle_recipe_save(const brittle_recipe* recipe, const char* path, brittle_error* error);
+/* Breaks the mesh of a recipe, in the coordinates of its file: the pieces of `brittle fracture RECIPE`, with the same
+ * hash. A scene is refused with invalid_setting: see brittle_run_start(). Errors: those of meshes and of
+ * brittle_fracture(). */
+BRITTLE_API brittle_status brittle_recipe_fracture(const brittle_recipe* recipe, const brittle_load_settings* settings,
+                                                   brittle_pieces** out, brittle_error* error);
+BRITTLE_API void brittle_recipe_free(brittle_recipe* recipe);
+
+/* ---- Runs ------------------------------------------------------------------------------------------------------ */
+
+/* The simulation of a recipe, as `brittle render` and `brittle replay` run it: steps of 1/120 s, its shots at their
+ * times, and a log of all that happens. A single mesh stands on the stage as in pictures, 2 m large unless the recipe
+ * has units. It serves one thread at a time. */
+typedef struct brittle_run brittle_run;
+
+/* Loads, breaks and prepares what the recipe holds. Errors: those of meshes and of brittle_fracture(). A mesh of a scene
+ * that cannot be broken becomes a fixed object: see brittle_run_notes(). */
+BRITTLE_API brittle_status brittle_run_start(const brittle_recipe* recipe, const brittle_load_settings* settings,
+                                             brittle_run** out, brittle_error* error);
+BRITTLE_API void brittle_run_free(brittle_run* run);
+/* Lines for people about objects that the scene could not take as the recipe says; often empty. */
+BRITTLE_API brittle_status brittle_run_notes(const brittle_run* run, brittle_text** out, brittle_error* error);
+BRITTLE_API brittle_status brittle_run_step(brittle_run* run, uint32_t steps, brittle_error* error);
+/* Steps since the start, and the length of one, s. Either may be NULL. */
+BRITTLE_API brittle_status brittle_run_time(const brittle_run* run, uint64_t* steps, double* step_seconds,
+                                            brittle_error* error);
+/* Takes an action between two steps, written as in a replay log (docs/replay.md, assets/replay.schema.json):
+ *     {"shoot": {"from": [0, 1, 3], "velocity": [0, 0, -20], "radius": 0.1, "density": 7800}}
+ * Errors: malformed_file with the field that is wrong. */
+BRITTLE_API brittle_status brittle_run_act(brittle_run* run, const char* action, brittle_error* error);
+/* A hash of the whole state, that of a replay log: equal runs give equal hashes, with any number of threads. */
+BRITTLE_API brittle_status brittle_run_state_hash(const brittle_run* run, uint64_t* out, brittle_error* error);
+/* The poses of all pieces after the last step, as brittle_world_transforms() gives them. Where the recipe is not
+ * breakable, a piece keeps its number and its slot is the same. */
+BRITTLE_API brittle_status brittle_run_transforms(const brittle_run* run, brittle_transform* out, uint64_t capacity,
+                                                  uint64_t* count, brittle_error* error);
+typedef struct brittle_ball {
+    float position[3];    /* m */
+    float orientation[4]; /* x, y, z, w */
+    float radius;         /* m */
+} brittle_ball;
+/* Balls that were shot, and links of chains, after the last step. `out` may be NULL to ask for their number. */
+BRITTLE_API brittle_status brittle_run_balls(const brittle_run* run, brittle_ball* out, uint64_t capacity,
+                                             uint64_t* count, brittle_error* error);
+/* What changed since the last call, as brittle_world_events() says it: in the first call all pieces of the start. No
+ * events where the recipe is not breakable: the pieces stay those of brittle_run_object_pieces(). */
+BRITTLE_API brittle_status brittle_run_events(brittle_run* run, brittle_events** out, brittle_error* error);
+
+/* An object of the run at its start; a recipe of one mesh has one. The texts are borrowed from the run. */
+typedef struct brittle_run_object {
+    uint32_t struct_size;
+    uint32_t is_fixed; /* 1: a surface that never moves */
+    const char* name;
+    const char* material; /* "" for none */
+    float position[3];    /* m, of the object's origin in the world, at the start */
+    float orientation[4]; /* x, y, z, w */
+    uint32_t piece_count; /* at the start; 1 where it is fixed */
+} brittle_run_object;
+BRITTLE_API brittle_status brittle_run_object_count(const brittle_run* run, uint32_t* out, brittle_error* error);
+/* out->struct_size must be set. */
+BRITTLE_API brittle_status brittle_run_object_get(const brittle_run* run, uint32_t object, brittle_run_object* out,
+                                                  brittle_error* error);
+/* The pieces of an object at the start, in its coordinates. A fixed object is refused with invalid_argument. */
+BRITTLE_API brittle_status brittle_run_object_pieces(const brittle_run* run, uint32_t object, brittle_pieces** out,
+                                                     brittle_error* error);
+/* The unbroken mesh of an object, in its coordinates. */
+BRITTLE_API brittle_status brittle_run_object_mesh(const brittle_run* run, uint32_t object, brittle_mesh** out,
+                                                   brittle_error* error);
+/* Writes the replay log of the run so far. Errors: write_failed. */
+BRITTLE_API brittle_status brittle_run_save_log(const brittle_run* run, const char* path, brittle_error* error);
+
+typedef struct brittle_replay_result {
+    uint32_t struct_size;
+    uint32_t is_equal;         /* 1: every state was that of the log */
+    uint64_t steps, actions;   /* of the log */
+    uint64_t first_difference; /* the first step whose state differs */
+    uint64_t state_hash;       /* of the last state that was reached */
+    char difference[1016];     /* what differs, for people; "" where nothing does */
+} brittle_replay_result;
+/* Repeats the run of a replay log up to its end or the first difference. A difference is no error. Errors:
+ * malformed_file with line and field, those of brittle_run_start(). out->struct_size must be set. */
+BRITTLE_API brittle_status brittle_replay(const char* path, const brittle_load_settings* settings,
+                                          brittle_replay_result* out, brittle_error* error);
 
 #ifdef __cplusplus
 }

@@ -4,6 +4,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "bindings/c/events.h"
 #include "bindings/c/handles.h"
 #include "fracture/mesh/mass_properties.h"
 #include "fracture/shapes/shapes.h"
@@ -21,16 +22,6 @@ struct brittle_world {
     physics::World world;
     physics::Destruction destruction;
     std::set<physics::ObjectId> objects;
-};
-
-struct brittle_events {
-    std::vector<glm::uvec2> removed, fading;
-    std::vector<float> shares;
-    struct Added {
-        uint32_t row[5];
-        physics::SolidPtr solid;
-    };
-    std::vector<Added> added;
 };
 
 namespace brittle::c {
@@ -123,14 +114,6 @@ physics::BreakableDesc desc_of(const brittle_object_settings& given, const fract
     desc.motion.linear_velocity = read_vector(given.linear_velocity, "settings.linear_velocity");
     desc.motion.angular_velocity = read_vector(given.angular_velocity, "settings.angular_velocity");
     return desc;
-}
-
-void put(const physics::Pose& pose, float* position, float* orientation) {
-    for (int k = 0; k < 3; ++k) position[k] = pose.position[k];
-    orientation[0] = pose.orientation.x;
-    orientation[1] = pose.orientation.y;
-    orientation[2] = pose.orientation.z;
-    orientation[3] = pose.orientation.w;
 }
 
 physics::BodyDesc ball(const glm::vec3& from, const glm::vec3& velocity, float radius, float density) {
@@ -283,90 +266,18 @@ brittle_status brittle_world_transforms(const brittle_world* world, float alpha,
     return guarded(error, [&] {
         const brittle_world& w = need(world, "world");
         c::in_range(static_cast<double>(alpha), 0.0, 1.0, "alpha");
-        std::vector<physics::PieceId> piece_of(w.destruction.slot_count());
-        for (const physics::PieceId id : w.destruction.pieces()) piece_of[w.destruction.slot(id)] = id;
-        uint64_t k = 0;
-        w.destruction.visit_poses(w.world, alpha, 0, [&](uint32_t slot, const physics::Pose& pose) {
-            if (out && k < capacity) {
-                out[k].piece = piece_of[slot].value;
-                out[k].slot = slot;
-                c::put(pose, out[k].position, out[k].orientation);
-            }
-            ++k;
-        });
-        if (count) *count = k;
+        c::Transforms transforms(w.destruction, out, capacity);
+        w.destruction.visit_poses(w.world, alpha, 0,
+                                  [&](uint32_t slot, const physics::Pose& pose) { transforms.add(slot, pose); });
+        if (count) *count = transforms.count();
     });
 }
 
 brittle_status brittle_world_events(brittle_world* world, brittle_events** out, brittle_error* error) {
     return guarded(error, [&] {
         need(out, "out");
-        auto events = std::make_unique<brittle_events>();
-        physics::DestructionEvents taken = need(world, "world").destruction.take_events();
-        for (const physics::PieceRemoved& one : taken.removed) events->removed.push_back({one.id.value, one.slot});
-        for (const physics::PieceFading& one : taken.fading) {
-            events->fading.push_back({one.id.value, one.slot});
-            events->shares.push_back(one.share);
-        }
-        for (physics::PieceAdded& one : taken.added)
-            events->added.push_back(
-                {{one.id.value, one.object.value, one.slot, one.depth, one.parent.value}, std::move(one.solid)});
-        *out = events.release();
+        *out = c::events_of(need(world, "world").destruction.take_events());
     });
-}
-
-brittle_status brittle_events_array(const brittle_events* events, uint32_t which, brittle_array* out,
-                                    brittle_error* error) {
-    return guarded(error, [&] {
-        need(out, "out");
-        const brittle_events& all = need(events, "events");
-        switch (which) {
-        case BRITTLE_EVENTS_REMOVED:
-            *out = c::view<uint32_t>(all.removed);
-            return;
-        case BRITTLE_EVENTS_ADDED:
-            *out = c::view(all.added, all.added.empty() ? nullptr : &all.added.front().row[0], 5);
-            return;
-        case BRITTLE_EVENTS_FADING:
-            *out = c::view<uint32_t>(all.fading);
-            return;
-        case BRITTLE_EVENTS_FADING_SHARES:
-            *out = c::view<float>(all.shares);
-            return;
-        default:
-            c::refuse_which(which, BRITTLE_EVENTS_FADING_SHARES);
-        }
-    });
-}
-
-brittle_status brittle_events_added_array(const brittle_events* events, uint64_t row, uint32_t which,
-                                          brittle_array* out, uint32_t* exterior_triangles, brittle_error* error) {
-    return guarded(error, [&] {
-        need(out, "out");
-        const brittle_events& all = need(events, "events");
-        if (row >= all.added.size())
-            refuse("there is no added piece in row " + std::to_string(row) + "; there are "
-                   + std::to_string(all.added.size()));
-        const physics::SolidPiece& solid = *all.added[row].solid;
-        switch (which) {
-        case BRITTLE_ADDED_POSITIONS:
-            *out = c::view<float>(solid.surface().positions);
-            break;
-        case BRITTLE_ADDED_TRIANGLES:
-            *out = c::view<uint32_t>(solid.surface().mesh.triangles);
-            break;
-        case BRITTLE_ADDED_CENTRE:
-            *out = {BRITTLE_FLOAT64, 3, 1, 3 * sizeof(double), &solid.mass.centre_of_mass.x};
-            break;
-        default:
-            c::refuse_which(which, BRITTLE_ADDED_CENTRE);
-        }
-        if (exterior_triangles) *exterior_triangles = solid.surface().exterior_triangles;
-    });
-}
-
-void brittle_events_free(brittle_events* events) {
-    delete events;
 }
 
 } // extern "C"

@@ -92,6 +92,10 @@ public static unsafe class Brittle
 
     public struct brittle_events { }
 
+    public struct brittle_recipe { }
+
+    public struct brittle_run { }
+
     [StructLayout(LayoutKind.Sequential)]
     public struct brittle_error
     {
@@ -302,6 +306,52 @@ public static unsafe class Brittle
         public uint slot;
         public fixed float position[3];
         public fixed float orientation[4];
+    }
+
+    /// <summary>Long calls of recipes, runs and replays.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public struct brittle_load_settings
+    {
+        public uint struct_size;
+        public uint threads;
+        public IntPtr progress; // a delegate, by Marshal.GetFunctionPointerForDelegate
+        public IntPtr cancelled; // a delegate, by Marshal.GetFunctionPointerForDelegate
+        public IntPtr report; // a delegate, by Marshal.GetFunctionPointerForDelegate
+        public void* user;
+        public int* cancel_flag;
+    }
+
+    [StructLayout(LayoutKind.Sequential)]
+    public struct brittle_ball
+    {
+        public fixed float position[3];
+        public fixed float orientation[4];
+        public float radius;
+    }
+
+    /// <summary>An object of the run at its start; a recipe of one mesh has one. The texts are borrowed from the run.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public struct brittle_run_object
+    {
+        public uint struct_size;
+        public uint is_fixed;
+        public byte* name;
+        public byte* material;
+        public fixed float position[3];
+        public fixed float orientation[4];
+        public uint piece_count;
+    }
+
+    [StructLayout(LayoutKind.Sequential)]
+    public struct brittle_replay_result
+    {
+        public uint struct_size;
+        public uint is_equal;
+        public ulong steps;
+        public ulong actions;
+        public ulong first_difference;
+        public ulong state_hash;
+        public fixed byte difference[1016];
     }
 
     /// <summary>"malformed_file" for BRITTLE_MALFORMED_FILE; "unknown" for any other number. The text is static.</summary>
@@ -529,4 +579,91 @@ public static unsafe class Brittle
 
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
     public static extern void brittle_events_free(brittle_events* events);
+
+    [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+    public static extern void brittle_load_settings_init(brittle_load_settings* settings, UIntPtr struct_size);
+
+    /// <summary>Reads a recipe; paths in it count from its folder. Errors: file_not_found, malformed_file with a message that names the file, the place in it and the expected value.</summary>
+    [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+    public static extern int brittle_recipe_load([MarshalAs(UnmanagedType.LPUTF8Str)] string path, brittle_recipe** @out, brittle_error* error);
+
+    /// <summary>The same from JSON text of at most 1 MiB. Paths in it count from `folder`; NULL: the working folder.</summary>
+    [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+    public static extern int brittle_recipe_parse([MarshalAs(UnmanagedType.LPUTF8Str)] string json, [MarshalAs(UnmanagedType.LPUTF8Str)] string folder, brittle_recipe** @out, brittle_error* error);
+
+    /// <summary>The recipe with all its settings, as JSON; paths count from the working folder.</summary>
+    [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+    public static extern int brittle_recipe_text(brittle_recipe* recipe, brittle_text** @out, brittle_error* error);
+
+    /// <summary>Writes it; paths count from the folder of the file. Errors: write_failed.</summary>
+    [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+    public static extern int brittle_recipe_save(brittle_recipe* recipe, [MarshalAs(UnmanagedType.LPUTF8Str)] string path, brittle_error* error);
+
+    /// <summary>Breaks the mesh of a recipe, in the coordinates of its file: the pieces of `brittle fracture RECIPE`, with the same hash. A scene is refused with invalid_setting: see brittle_run_start(). Errors: those of meshes and of brittle_fracture().</summary>
+    [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+    public static extern int brittle_recipe_fracture(brittle_recipe* recipe, brittle_load_settings* settings, brittle_pieces** @out, brittle_error* error);
+
+    [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+    public static extern void brittle_recipe_free(brittle_recipe* recipe);
+
+    /// <summary>Loads, breaks and prepares what the recipe holds. Errors: those of meshes and of brittle_fracture(). A mesh of a scene that cannot be broken becomes a fixed object: see brittle_run_notes().</summary>
+    [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+    public static extern int brittle_run_start(brittle_recipe* recipe, brittle_load_settings* settings, brittle_run** @out, brittle_error* error);
+
+    [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+    public static extern void brittle_run_free(brittle_run* run);
+
+    /// <summary>Lines for people about objects that the scene could not take as the recipe says; often empty.</summary>
+    [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+    public static extern int brittle_run_notes(brittle_run* run, brittle_text** @out, brittle_error* error);
+
+    [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+    public static extern int brittle_run_step(brittle_run* run, uint steps, brittle_error* error);
+
+    /// <summary>Steps since the start, and the length of one, s. Either may be NULL.</summary>
+    [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+    public static extern int brittle_run_time(brittle_run* run, ulong* steps, double* step_seconds, brittle_error* error);
+
+    /// <summary>Takes an action between two steps, written as in a replay log (docs/replay.md, assets/replay.schema.json): {"shoot": {"from": [0, 1, 3], "velocity": [0, 0, -20], "radius": 0.1, "density": 7800}} Errors: malformed_file with the field that is wrong.</summary>
+    [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+    public static extern int brittle_run_act(brittle_run* run, [MarshalAs(UnmanagedType.LPUTF8Str)] string action, brittle_error* error);
+
+    /// <summary>A hash of the whole state, that of a replay log: equal runs give equal hashes, with any number of threads.</summary>
+    [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+    public static extern int brittle_run_state_hash(brittle_run* run, ulong* @out, brittle_error* error);
+
+    /// <summary>The poses of all pieces after the last step, as brittle_world_transforms() gives them. Where the recipe is not breakable, a piece keeps its number and its slot is the same.</summary>
+    [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+    public static extern int brittle_run_transforms(brittle_run* run, brittle_transform* @out, ulong capacity, ulong* count, brittle_error* error);
+
+    /// <summary>Balls that were shot, and links of chains, after the last step. `out` may be NULL to ask for their number.</summary>
+    [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+    public static extern int brittle_run_balls(brittle_run* run, brittle_ball* @out, ulong capacity, ulong* count, brittle_error* error);
+
+    /// <summary>What changed since the last call, as brittle_world_events() says it: in the first call all pieces of the start. No events where the recipe is not breakable: the pieces stay those of brittle_run_object_pieces().</summary>
+    [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+    public static extern int brittle_run_events(brittle_run* run, brittle_events** @out, brittle_error* error);
+
+    [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+    public static extern int brittle_run_object_count(brittle_run* run, uint* @out, brittle_error* error);
+
+    /// <summary>out-&gt;struct_size must be set.</summary>
+    [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+    public static extern int brittle_run_object_get(brittle_run* run, uint @object, brittle_run_object* @out, brittle_error* error);
+
+    /// <summary>The pieces of an object at the start, in its coordinates. A fixed object is refused with invalid_argument.</summary>
+    [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+    public static extern int brittle_run_object_pieces(brittle_run* run, uint @object, brittle_pieces** @out, brittle_error* error);
+
+    /// <summary>The unbroken mesh of an object, in its coordinates.</summary>
+    [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+    public static extern int brittle_run_object_mesh(brittle_run* run, uint @object, brittle_mesh** @out, brittle_error* error);
+
+    /// <summary>Writes the replay log of the run so far. Errors: write_failed.</summary>
+    [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+    public static extern int brittle_run_save_log(brittle_run* run, [MarshalAs(UnmanagedType.LPUTF8Str)] string path, brittle_error* error);
+
+    /// <summary>Repeats the run of a replay log up to its end or the first difference. A difference is no error. Errors: malformed_file with line and field, those of brittle_run_start(). out-&gt;struct_size must be set.</summary>
+    [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+    public static extern int brittle_replay([MarshalAs(UnmanagedType.LPUTF8Str)] string path, brittle_load_settings* settings, brittle_replay_result* @out, brittle_error* error);
 }

@@ -118,6 +118,16 @@ pub struct brittle_events {
 }
 
 #[repr(C)]
+pub struct brittle_recipe {
+    _private: [u8; 0],
+}
+
+#[repr(C)]
+pub struct brittle_run {
+    _private: [u8; 0],
+}
+
+#[repr(C)]
 #[derive(Clone, Copy)]
 pub struct brittle_error {
     pub struct_size: u32,
@@ -329,6 +339,52 @@ pub struct brittle_transform {
     pub orientation: [f32; 4],
 }
 
+/// Long calls of recipes, runs and replays.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct brittle_load_settings {
+    pub struct_size: u32,
+    pub threads: u32,
+    pub progress: Option<unsafe extern "C" fn(user: *mut c_void, share: f64)>,
+    pub cancelled: Option<unsafe extern "C" fn(user: *mut c_void) -> i32>,
+    pub report: Option<unsafe extern "C" fn(user: *mut c_void, text: *const c_char)>,
+    pub user: *mut c_void,
+    pub cancel_flag: *const i32,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct brittle_ball {
+    pub position: [f32; 3],
+    pub orientation: [f32; 4],
+    pub radius: f32,
+}
+
+/// An object of the run at its start; a recipe of one mesh has one. The texts are borrowed from the run.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct brittle_run_object {
+    pub struct_size: u32,
+    pub is_fixed: u32,
+    pub name: *const c_char,
+    pub material: *const c_char,
+    pub position: [f32; 3],
+    pub orientation: [f32; 4],
+    pub piece_count: u32,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct brittle_replay_result {
+    pub struct_size: u32,
+    pub is_equal: u32,
+    pub steps: u64,
+    pub actions: u64,
+    pub first_difference: u64,
+    pub state_hash: u64,
+    pub difference: [c_char; 1016],
+}
+
 extern "C" {
     /// "malformed_file" for BRITTLE_MALFORMED_FILE; "unknown" for any other number. The text is static.
     pub fn brittle_status_name(status: i32) -> *const c_char;
@@ -430,4 +486,45 @@ extern "C" {
     /// The mesh of the added piece in row `row`. exterior_triangles, which may be NULL: how many lie outside.
     pub fn brittle_events_added_array(events: *const brittle_events, row: u64, which: u32, out: *mut brittle_array, exterior_triangles: *mut u32, error: *mut brittle_error) -> i32;
     pub fn brittle_events_free(events: *mut brittle_events);
+    pub fn brittle_load_settings_init(settings: *mut brittle_load_settings, struct_size: usize);
+    /// Reads a recipe; paths in it count from its folder. Errors: file_not_found, malformed_file with a message that names the file, the place in it and the expected value.
+    pub fn brittle_recipe_load(path: *const c_char, out: *mut *mut brittle_recipe, error: *mut brittle_error) -> i32;
+    /// The same from JSON text of at most 1 MiB. Paths in it count from `folder`; NULL: the working folder.
+    pub fn brittle_recipe_parse(json: *const c_char, folder: *const c_char, out: *mut *mut brittle_recipe, error: *mut brittle_error) -> i32;
+    /// The recipe with all its settings, as JSON; paths count from the working folder.
+    pub fn brittle_recipe_text(recipe: *const brittle_recipe, out: *mut *mut brittle_text, error: *mut brittle_error) -> i32;
+    /// Writes it; paths count from the folder of the file. Errors: write_failed.
+    pub fn brittle_recipe_save(recipe: *const brittle_recipe, path: *const c_char, error: *mut brittle_error) -> i32;
+    /// Breaks the mesh of a recipe, in the coordinates of its file: the pieces of `brittle fracture RECIPE`, with the same hash. A scene is refused with invalid_setting: see brittle_run_start(). Errors: those of meshes and of brittle_fracture().
+    pub fn brittle_recipe_fracture(recipe: *const brittle_recipe, settings: *const brittle_load_settings, out: *mut *mut brittle_pieces, error: *mut brittle_error) -> i32;
+    pub fn brittle_recipe_free(recipe: *mut brittle_recipe);
+    /// Loads, breaks and prepares what the recipe holds. Errors: those of meshes and of brittle_fracture(). A mesh of a scene that cannot be broken becomes a fixed object: see brittle_run_notes().
+    pub fn brittle_run_start(recipe: *const brittle_recipe, settings: *const brittle_load_settings, out: *mut *mut brittle_run, error: *mut brittle_error) -> i32;
+    pub fn brittle_run_free(run: *mut brittle_run);
+    /// Lines for people about objects that the scene could not take as the recipe says; often empty.
+    pub fn brittle_run_notes(run: *const brittle_run, out: *mut *mut brittle_text, error: *mut brittle_error) -> i32;
+    pub fn brittle_run_step(run: *mut brittle_run, steps: u32, error: *mut brittle_error) -> i32;
+    /// Steps since the start, and the length of one, s. Either may be NULL.
+    pub fn brittle_run_time(run: *const brittle_run, steps: *mut u64, step_seconds: *mut f64, error: *mut brittle_error) -> i32;
+    /// Takes an action between two steps, written as in a replay log (docs/replay.md, assets/replay.schema.json): {"shoot": {"from": [0, 1, 3], "velocity": [0, 0, -20], "radius": 0.1, "density": 7800}} Errors: malformed_file with the field that is wrong.
+    pub fn brittle_run_act(run: *mut brittle_run, action: *const c_char, error: *mut brittle_error) -> i32;
+    /// A hash of the whole state, that of a replay log: equal runs give equal hashes, with any number of threads.
+    pub fn brittle_run_state_hash(run: *const brittle_run, out: *mut u64, error: *mut brittle_error) -> i32;
+    /// The poses of all pieces after the last step, as brittle_world_transforms() gives them. Where the recipe is not breakable, a piece keeps its number and its slot is the same.
+    pub fn brittle_run_transforms(run: *const brittle_run, out: *mut brittle_transform, capacity: u64, count: *mut u64, error: *mut brittle_error) -> i32;
+    /// Balls that were shot, and links of chains, after the last step. `out` may be NULL to ask for their number.
+    pub fn brittle_run_balls(run: *const brittle_run, out: *mut brittle_ball, capacity: u64, count: *mut u64, error: *mut brittle_error) -> i32;
+    /// What changed since the last call, as brittle_world_events() says it: in the first call all pieces of the start. No events where the recipe is not breakable: the pieces stay those of brittle_run_object_pieces().
+    pub fn brittle_run_events(run: *mut brittle_run, out: *mut *mut brittle_events, error: *mut brittle_error) -> i32;
+    pub fn brittle_run_object_count(run: *const brittle_run, out: *mut u32, error: *mut brittle_error) -> i32;
+    /// out->struct_size must be set.
+    pub fn brittle_run_object_get(run: *const brittle_run, object: u32, out: *mut brittle_run_object, error: *mut brittle_error) -> i32;
+    /// The pieces of an object at the start, in its coordinates. A fixed object is refused with invalid_argument.
+    pub fn brittle_run_object_pieces(run: *const brittle_run, object: u32, out: *mut *mut brittle_pieces, error: *mut brittle_error) -> i32;
+    /// The unbroken mesh of an object, in its coordinates.
+    pub fn brittle_run_object_mesh(run: *const brittle_run, object: u32, out: *mut *mut brittle_mesh, error: *mut brittle_error) -> i32;
+    /// Writes the replay log of the run so far. Errors: write_failed.
+    pub fn brittle_run_save_log(run: *const brittle_run, path: *const c_char, error: *mut brittle_error) -> i32;
+    /// Repeats the run of a replay log up to its end or the first difference. A difference is no error. Errors: malformed_file with line and field, those of brittle_run_start(). out->struct_size must be set.
+    pub fn brittle_replay(path: *const c_char, settings: *const brittle_load_settings, out: *mut brittle_replay_result, error: *mut brittle_error) -> i32;
 }

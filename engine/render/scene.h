@@ -13,7 +13,8 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
-#include "engine/render/camera.h"
+#include "engine/camera/camera.h"
+#include "engine/camera/sun.h"
 
 namespace brittle::engine {
 
@@ -113,11 +114,11 @@ struct Look {
     glm::vec3 ground{0.50f, 0.495f, 0.49f};
     glm::vec3 background_top{0.40f, 0.43f, 0.47f};
     glm::vec3 background_bottom{0.62f, 0.61f, 0.60f};
-    glm::vec3 to_light{-0.55f, 0.90f, 0.55f}; // direction to the sun, of any length but zero
-    glm::vec3 sun{1.00f, 0.93f, 0.83f};       // light of the sun
-    glm::vec3 sky{0.36f, 0.40f, 0.47f};       // ambient light from above
-    glm::vec3 bounce{0.17f, 0.145f, 0.125f};  // ambient light from below
-    float exposure = 1.0f;                    // factor of all light before the filmic curve
+    glm::vec3 to_light = default_to_light;   // direction to the sun, of any length but zero
+    glm::vec3 sun{1.00f, 0.93f, 0.83f};      // light of the sun
+    glm::vec3 sky{0.36f, 0.40f, 0.47f};      // ambient light from above
+    glm::vec3 bounce{0.17f, 0.145f, 0.125f}; // ambient light from below
+    float exposure = 1.0f;                   // factor of all light before the filmic curve
 };
 
 // A rectangle of the picture, as shares of its width and height from the top left corner.

@@ -5,7 +5,7 @@
 #include <glm/geometric.hpp>
 #include <glm/vec4.hpp>
 
-#include "engine/render/camera.h"
+#include "engine/camera/camera.h"
 #include "engine/render/scene.h"
 
 using namespace brittle::engine;

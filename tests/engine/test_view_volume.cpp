@@ -7,7 +7,7 @@
 #include <doctest/doctest.h>
 #include <glm/geometric.hpp>
 
-#include "engine/render/view_volume.h"
+#include "engine/camera/view_volume.h"
 
 using namespace brittle::engine;
 

@@ -1,7 +1,7 @@
 // Fuzzes the reader of recipes: a valid recipe is unchanged after writing and reading it again.
 #include "tests/fuzz/oracle.h"
-#include "tools/brittle/base/failure.h"
-#include "tools/brittle/recipe/recipe.h"
+#include "tools/scenario/base/failure.h"
+#include "tools/scenario/recipe/recipe.h"
 
 using namespace brittle;
 using namespace brittle::tools;

@@ -1,7 +1,7 @@
 // Fuzzes the reader of replay logs: a valid log is unchanged after writing and reading it again.
 #include "tests/fuzz/oracle.h"
 #include "tests/tools/log_text.h"
-#include "tools/brittle/base/failure.h"
+#include "tools/scenario/base/failure.h"
 
 using namespace brittle;
 using namespace brittle::tools;

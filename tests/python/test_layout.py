@@ -11,6 +11,7 @@ STRUCTURES = {
     "repair_settings": lib.RepairSettings, "pattern": lib.Pattern, "fracture_settings": lib.FractureSettings,
     "certificate": lib.CertificateStruct, "export_settings": lib.ExportSettings, "world_settings": lib.WorldSettings,
     "anchor": lib.Anchor, "material": lib.MaterialStruct, "object_settings": lib.ObjectSettings,
+    "load_settings": lib.LoadSettings, "run_object": lib.RunObjectStruct, "replay_result": lib.ReplayResultStruct,
 }
 
 

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-#include "tools/brittle/replay/log.h"
+#include "tools/scenario/replay/log.h"
 
 namespace brittle::tools::test {
 

@@ -9,13 +9,13 @@
 
 #include <doctest/doctest.h>
 
-#include "tools/brittle/base/failure.h"
-#include "tools/brittle/replay/log.h"
-#include "tools/brittle/replay/player.h"
-#include "tools/brittle/replay/recorder.h"
-#include "tools/brittle/run/scene.h"
-#include "tools/brittle/run/simulation.h"
-#include "tools/brittle/run/stage.h"
+#include "tools/brittle/stage/stage.h"
+#include "tools/scenario/base/failure.h"
+#include "tools/scenario/replay/log.h"
+#include "tools/scenario/replay/player.h"
+#include "tools/scenario/replay/recorder.h"
+#include "tools/scenario/run/scene.h"
+#include "tools/scenario/run/simulation.h"
 
 namespace brittle::tools::test {
 

@@ -16,9 +16,9 @@
 #include "fracture/mesh/mass_properties.h"
 #include "fracture/mesh/topology.h"
 #include "physics/cutting/destruction.h"
-#include "tools/brittle/recipe/input.h"
-#include "tools/brittle/recipe/recipe.h"
-#include "tools/brittle/run/stage.h"
+#include "tools/brittle/stage/stage.h"
+#include "tools/scenario/recipe/input.h"
+#include "tools/scenario/recipe/recipe.h"
 
 // Prints the recipe of a run without actions if a check fails later in the block. `brittle render RECIPE` repeats the
 // run.

@@ -1,7 +1,7 @@
 // A wall of 30 concrete bricks that stands on the ground: bonded pieces for tests.
 #pragma once
 
-#include "tools/brittle/recipe/input.h"
+#include "tools/scenario/recipe/input.h"
 
 namespace brittle::tools::test {
 

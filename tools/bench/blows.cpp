@@ -23,7 +23,7 @@
 #include "tools/bench/broken_bunny.h"
 #include "tools/bench/memory_meter.h"
 #include "tools/bench/samples.h"
-#include "tools/brittle/run/piece_drawing.h"
+#include "tools/brittle/stage/piece_drawing.h"
 
 namespace brittle::tools {
 

@@ -15,8 +15,8 @@
 #include <CLI/CLI.hpp>
 
 #include "fracture/io/text_cursor.h"
-#include "tools/brittle/base/failure.h"
 #include "tools/brittle/commands/command_line.h"
+#include "tools/scenario/base/failure.h"
 
 namespace brittle::tools {
 namespace {

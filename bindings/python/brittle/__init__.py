@@ -16,10 +16,11 @@ from ._library import (ArgumentError, BrittleError, Cancelled, CancelToken, Miss
                        version as _version)
 from ._material import MATERIALS, Material, material
 from ._mesh import Inspection, Mesh, box, load, load_bytes, shape
+from ._run import Recipe, Replay, Run, RunObject, replay
 from ._world import AddedPiece, Events, World
 
 __version__ = _version()
 __all__ = ["AddedPiece", "ArgumentError", "BrittleError", "CancelToken", "Cancelled", "Certificate", "Events",
            "Fracture", "Inspection", "MATERIALS", "Material", "Mesh", "MissingFileError", "OutOfMemoryError", "Piece",
-           "Sites", "SurfacePart", "World", "box", "fracture", "load", "load_bytes", "load_sites", "make_sites",
-           "material", "shape"]
+           "Recipe", "Replay", "Run", "RunObject", "Sites", "SurfacePart", "World", "box", "fracture", "load", "load_bytes",
+           "load_sites", "make_sites", "material", "replay", "shape"]

@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from ctypes import byref, c_double, c_uint32, pointer, sizeof
+from ctypes import byref, c_double, c_uint32, sizeof
 from dataclasses import dataclass
 from typing import Any, Callable, Iterator, Optional, Union, overload
 
@@ -365,7 +365,6 @@ def fracture(mesh: Any, sites: Union[int, Sites, Any] = 100, *, seed: int = 1, m
         raise TypeError(f"{', '.join(pattern_options)}: options of a pattern need a number of sites")
     else:
         given = sites if isinstance(sites, Sites) else Sites(sites)
-    token = cancel if cancel is not None else lib.CancelToken()
     settings = lib.defaults("fracture_settings")
     settings.threads, settings.min_volume = _count(threads, "threads"), min_volume
     if material is not None:
@@ -379,26 +378,7 @@ def fracture(mesh: Any, sites: Union[int, Sites, Any] = 100, *, seed: int = 1, m
     if detail is not None:
         settings.rough_detail = _count(detail, "detail")
     settings.rough_wavelength, settings.rough_seed = wavelength, _count(seed, "seed", _SEED)
-    settings.cancel_flag = pointer(token.flag)
-    failure: list[BaseException] = []
-
-    def report(_user: Any, share: float) -> None:
-        try:
-            if not failure and progress is not None:
-                progress(share)
-        except BaseException as error:  # pylint: disable=broad-except
-            failure.append(error)  # an exception cannot pass through the library
-            token.cancel()
-
-    if progress is not None:
-        settings.progress = lib.ProgressCall(report)
     handle = lib.Handle("pieces")
-    try:
-        lib.interruptible(lambda: lib.call("fracture", solid._handle.pointer, given._handle.pointer, byref(settings),
-                                           handle.out()), token)
-    except lib.Cancelled:
-        if not failure:
-            raise
-    if failure:
-        raise failure[0]
+    lib.long_call(settings, lambda: lib.call("fracture", solid._handle.pointer, given._handle.pointer, byref(settings),
+                                             handle.out()), progress, cancel)
     return Fracture(handle)

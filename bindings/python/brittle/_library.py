@@ -135,6 +135,25 @@ class ObjectSettings(ctypes.Structure):
                 ("anchors", POINTER(Anchor)), ("anchor_count", c_uint32)]
 
 
+ReportCall = ctypes.CFUNCTYPE(None, c_void_p, c_char_p)
+
+
+class LoadSettings(ctypes.Structure):
+    _fields_ = [("struct_size", c_uint32), ("threads", c_uint32), ("progress", ProgressCall),
+                ("cancelled", CancelledCall), ("report", ReportCall), ("user", c_void_p), ("cancel_flag", POINTER(c_int32))]
+
+
+class RunObjectStruct(ctypes.Structure):
+    _fields_ = [("struct_size", c_uint32), ("is_fixed", c_uint32), ("name", c_char_p), ("material", c_char_p),
+                ("position", c_float * 3), ("orientation", c_float * 4), ("piece_count", c_uint32)]
+
+
+class ReplayResultStruct(ctypes.Structure):
+    _fields_ = [("struct_size", c_uint32), ("is_equal", c_uint32), ("steps", c_uint64), ("actions", c_uint64),
+                ("first_difference", c_uint64), ("state_hash", c_uint64), ("difference", ctypes.c_char * 1016)]
+
+
+BALL = np.dtype([("position", np.float32, 3), ("orientation", np.float32, 4), ("radius", np.float32)])
 TRANSFORM = np.dtype([("piece", np.uint32), ("slot", np.uint32), ("position", np.float32, 3),
                       ("orientation", np.float32, 4)])
 
@@ -187,12 +206,33 @@ _CALLS: dict[str, list[Any]] = {
     "world_state_hash": [_P, POINTER(c_uint64)],
     "world_transforms": [_P, c_float, _P, c_uint64, POINTER(c_uint64)],
     "world_events": [_P, POINTER(_P)],
+    "recipe_load": [c_char_p, POINTER(_P)],
+    "recipe_parse": [c_char_p, c_char_p, POINTER(_P)],
+    "recipe_text": [_P, POINTER(_P)],
+    "recipe_save": [_P, c_char_p],
+    "recipe_fracture": [_P, POINTER(LoadSettings), POINTER(_P)],
+    "run_start": [_P, POINTER(LoadSettings), POINTER(_P)],
+    "run_notes": [_P, POINTER(_P)],
+    "run_step": [_P, c_uint32],
+    "run_time": [_P, POINTER(c_uint64), POINTER(c_double)],
+    "run_act": [_P, c_char_p],
+    "run_state_hash": [_P, POINTER(c_uint64)],
+    "run_transforms": [_P, _P, c_uint64, POINTER(c_uint64)],
+    "run_balls": [_P, _P, c_uint64, POINTER(c_uint64)],
+    "run_events": [_P, POINTER(_P)],
+    "run_object_count": [_P, POINTER(c_uint32)],
+    "run_object_get": [_P, c_uint32, POINTER(RunObjectStruct)],
+    "run_object_pieces": [_P, c_uint32, POINTER(_P)],
+    "run_object_mesh": [_P, c_uint32, POINTER(_P)],
+    "run_save_log": [_P, c_char_p],
+    "replay": [c_char_p, POINTER(LoadSettings), POINTER(ReplayResultStruct)],
     "events_array": [_P, c_uint32, POINTER(Array)],
     "events_added_array": [_P, c_uint64, c_uint32, POINTER(Array), POINTER(c_uint32)],
 }
-_FREE = ("mesh", "text", "files", "sites", "pieces", "surface", "hulls", "world", "events")
+_FREE = ("mesh", "text", "files", "sites", "pieces", "surface", "hulls", "world", "events", "recipe", "run")
 _INIT = {"repair_settings": RepairSettings, "pattern": Pattern, "fracture_settings": FractureSettings,
-         "export_settings": ExportSettings, "world_settings": WorldSettings, "object_settings": ObjectSettings}
+         "export_settings": ExportSettings, "world_settings": WorldSettings, "object_settings": ObjectSettings,
+         "load_settings": LoadSettings}
 
 _library = _load()
 
@@ -369,7 +409,7 @@ def path_bytes(path: Any) -> bytes:
 
 
 class CancelToken:
-    """Cancels calls of fracture() from any thread: fracture(..., cancel=token), and token.cancel() elsewhere."""
+    """Cancels long calls from any thread: fracture(..., cancel=token), and token.cancel() elsewhere."""
 
     def __init__(self) -> None:
         self.flag = c_int32(0)
@@ -406,5 +446,36 @@ def interruptible(work: Callable[[], None], token: CancelToken) -> None:
         thread.join()
         raise
     thread.join()
+    if failure:
+        raise failure[0]
+
+
+def long_call(settings: Any, work: Callable[[], None], progress: Optional[Callable[[float], None]],
+              cancel: Optional[CancelToken], report: Optional[Callable[[str], None]] = None) -> None:
+    """Runs work(), which passes these settings to the library, such that Ctrl+C and `cancel` end it. An exception of
+    progress() or report() ends it, too, and is raised here."""
+    token = cancel if cancel is not None else CancelToken()
+    settings.cancel_flag = ctypes.pointer(token.flag)
+    failure: list[BaseException] = []
+
+    def passing(callback: Callable[[Any], None]) -> Callable[[Any, Any], None]:
+        def call_back(_user: Any, value: Any) -> None:
+            try:
+                if not failure:
+                    callback(value.decode(errors="replace") if isinstance(value, bytes) else value)
+            except BaseException as error:  # pylint: disable=broad-except
+                failure.append(error)  # an exception cannot pass through the library
+                token.cancel()
+        return call_back
+
+    if progress is not None:
+        settings.progress = ProgressCall(passing(progress))
+    if report is not None:
+        settings.report = ReportCall(passing(report))
+    try:
+        interruptible(work, token)
+    except Cancelled:
+        if not failure:
+            raise
     if failure:
         raise failure[0]

@@ -41,6 +41,22 @@ class Events:
     fading_shares: np.ndarray  #: (f,) float32: the visible share, from 1 to 0
 
 
+def events_of(handle: lib.Handle) -> Events:
+    """The events of a handle of the library."""
+    rows = lib.view(handle, "events_array", 2)
+    added = []
+    for k, (piece, number, slot, depth, parent) in enumerate(rows.tolist()):
+        exterior, arrays = c_uint32(), []
+        for which in (1, 2, 3):
+            array = lib.Array()
+            lib.call("events_added_array", handle.pointer, k, which, byref(array), byref(exterior))
+            arrays.append(lib.as_numpy(handle, array))
+        added.append(AddedPiece(piece, number, slot, depth, None if parent == _NONE else parent, arrays[0], arrays[1],
+                                exterior.value, arrays[2][0]))
+    return Events(lib.view(handle, "events_array", 1), added, lib.view(handle, "events_array", 3),
+                  lib.view(handle, "events_array", 4))
+
+
 class World:
     """A world in which objects break. Y is up; metres, kilograms, seconds. Calls from several threads take turns.
 
@@ -138,18 +154,7 @@ class World:
         """What changed since the last call."""
         handle = lib.Handle("events")
         self._call("world_events", handle.out())
-        rows = lib.view(handle, "events_array", 2)
-        added = []
-        for k, (piece, number, slot, depth, parent) in enumerate(rows.tolist()):
-            exterior, arrays = c_uint32(), []
-            for which in (1, 2, 3):
-                array = lib.Array()
-                lib.call("events_added_array", handle.pointer, k, which, byref(array), byref(exterior))
-                arrays.append(lib.as_numpy(handle, array))
-            added.append(AddedPiece(piece, number, slot, depth, None if parent == _NONE else parent, arrays[0],
-                                    arrays[1], exterior.value, arrays[2][0]))
-        return Events(lib.view(handle, "events_array", 1), added, lib.view(handle, "events_array", 3),
-                      lib.view(handle, "events_array", 4))
+        return events_of(handle)
 
     @property
     def state_hash(self) -> int:

@@ -12,7 +12,7 @@
 #include "fracture/shapes/shapes.h"
 #include "tests/glb_file.h"
 #include "tests/tools/support.h"
-#include "tools/brittle/base/failure.h"
+#include "tools/scenario/base/failure.h"
 
 namespace fs = std::filesystem;
 using namespace brittle;

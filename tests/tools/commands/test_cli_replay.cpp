@@ -19,7 +19,7 @@
 #include "fracture/mesh/mass_properties.h"
 #include "fracture/shapes/shapes.h"
 #include "tests/tools/support.h"
-#include "tools/brittle/replay/action_json.h"
+#include "tools/scenario/replay/action_json.h"
 
 namespace fs = std::filesystem;
 using namespace brittle;

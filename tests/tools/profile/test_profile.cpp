@@ -10,13 +10,13 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/tools/support.h"
-#include "tools/brittle/base/environment.h"
-#include "tools/brittle/base/failure.h"
 #include "tools/brittle/profile/compare.h"
 #include "tools/brittle/profile/csv.h"
 #include "tools/brittle/profile/scenario.h"
 #include "tools/brittle/profile/series.h"
 #include "tools/brittle/profile/trace.h"
+#include "tools/scenario/base/environment.h"
+#include "tools/scenario/base/failure.h"
 
 using namespace brittle::tools;
 using Json = nlohmann::ordered_json;

@@ -7,9 +7,9 @@
 #include "fracture/mesh/mesh.h"
 #include "fracture/shapes/shapes.h"
 #include "fracture/sites/pattern.h"
-#include "tools/brittle/recipe/automatic_pattern.h"
-#include "tools/brittle/recipe/recipe.h"
-#include "tools/brittle/run/scene.h"
+#include "tools/scenario/recipe/automatic_pattern.h"
+#include "tools/scenario/recipe/recipe.h"
+#include "tools/scenario/run/scene.h"
 
 using namespace brittle;
 using namespace brittle::tools;

@@ -1,4 +1,4 @@
-#include "tools/brittle/recipe/placement.h"
+#include "tools/scenario/recipe/placement.h"
 
 #include <cmath>
 

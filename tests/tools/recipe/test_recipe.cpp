@@ -1,5 +1,5 @@
 #include "tests/tools/support.h"
-#include "tools/brittle/recipe/recipe.h"
+#include "tools/scenario/recipe/recipe.h"
 
 #include <filesystem>
 #include <fstream>
@@ -11,7 +11,7 @@
 
 #include "fracture/shapes/shapes.h"
 #include "physics/material.h"
-#include "tools/brittle/base/failure.h"
+#include "tools/scenario/base/failure.h"
 
 using namespace brittle;
 using namespace brittle::tools;

@@ -8,8 +8,8 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/tools/support.h"
-#include "tools/brittle/base/failure.h"
-#include "tools/brittle/recipe/recipe.h"
+#include "tools/scenario/base/failure.h"
+#include "tools/scenario/recipe/recipe.h"
 
 using namespace brittle;
 using namespace brittle::tools;

@@ -1,4 +1,4 @@
-#include "tools/brittle/recipe/strike.h"
+#include "tools/scenario/recipe/strike.h"
 
 #include <cmath>
 #include <limits>

@@ -15,7 +15,7 @@
 #include "tests/tools/scenes.h"
 #include "tests/tools/support.h"
 #include "tests/tools/wall.h"
-#include "tools/brittle/replay/body_text.h"
+#include "tools/scenario/replay/body_text.h"
 
 using namespace brittle;
 using namespace brittle::tools;

@@ -5,9 +5,9 @@
 #include <doctest/doctest.h>
 
 #include "tests/tools/support.h"
-#include "tools/brittle/recipe/input.h"
-#include "tools/brittle/run/simulation.h"
-#include "tools/brittle/run/stage.h"
+#include "tools/brittle/stage/stage.h"
+#include "tools/scenario/recipe/input.h"
+#include "tools/scenario/run/simulation.h"
 
 using namespace brittle;
 using namespace brittle::tools;

@@ -16,7 +16,7 @@
 #include "physics/cutting/contact_blows.h"
 #include "physics/cutting/destruction.h"
 #include "tests/tools/scenes.h"
-#include "tools/brittle/run/simulation.h"
+#include "tools/scenario/run/simulation.h"
 
 using namespace brittle;
 using namespace brittle::tools;

@@ -10,9 +10,9 @@
 #include "physics/material.h"
 #include "tests/tools/scenes.h"
 #include "tests/tools/support.h"
-#include "tools/brittle/base/failure.h"
-#include "tools/brittle/recipe/recipe.h"
-#include "tools/brittle/run/simulation.h"
+#include "tools/scenario/base/failure.h"
+#include "tools/scenario/recipe/recipe.h"
+#include "tools/scenario/run/simulation.h"
 
 using namespace brittle;
 using namespace brittle::tools;

@@ -1,5 +1,6 @@
 // The looks of meshes: from files with materials and textures to the corners of pieces and to pictures.
-#include "tools/brittle/run/mesh_looks.h"
+#include "tools/brittle/base/device_failure.h"
+#include "tools/brittle/stage/mesh_looks.h"
 
 #include <cmath>
 #include <functional>
@@ -15,8 +16,8 @@
 #include "tests/engine/support.h"
 #include "tests/tools/studio/room.h"
 #include "tests/tools/support.h"
-#include "tools/brittle/recipe/recipe.h"
-#include "tools/brittle/run/stage.h"
+#include "tools/brittle/stage/stage.h"
+#include "tools/scenario/recipe/recipe.h"
 
 using namespace brittle;
 using namespace brittle::tools;

@@ -17,7 +17,7 @@
 #include <glm/geometric.hpp>
 
 #include "tests/tools/scenes.h"
-#include "tools/brittle/run/simulation.h"
+#include "tools/scenario/run/simulation.h"
 
 using namespace brittle;
 using namespace brittle::tools;

@@ -1,5 +1,5 @@
 // Scenes of several objects in one world.
-#include "tools/brittle/run/scene.h"
+#include "tools/scenario/run/scene.h"
 
 #include <algorithm>
 #include <functional>
@@ -15,8 +15,8 @@
 #include "tests/glb_file.h"
 #include "tests/tools/replays.h"
 #include "tests/tools/support.h"
-#include "tools/brittle/recipe/recipe.h"
-#include "tools/brittle/run/scene_cache.h"
+#include "tools/scenario/recipe/recipe.h"
+#include "tools/scenario/run/scene_cache.h"
 
 using namespace brittle;
 using namespace brittle::tools;
@@ -151,7 +151,7 @@ TEST_CASE("scene: notes, failures, progress and pieces are the same whatever num
         CHECK(loaded.notes.empty());
         std::vector<double> shares;
         const std::vector<PreparedObject> prepared =
-            prepare_scene(loaded, {}, [&](double share) { shares.push_back(share); });
+            prepare_scene(loaded, {}, {}, [&](double share) { shares.push_back(share); });
         REQUIRE(prepared.size() == 24);
         for (size_t k = 0; k < 24; ++k) CHECK(prepared[k].name == "o" + std::to_string(k));
         CHECK(shares.size() == 24);
@@ -255,8 +255,8 @@ TEST_CASE("scene: edits with a cache make the pieces and states of a fresh load,
          "pattern": {"type": "uniform", "count": 5}})");
     SceneCache cache;
     const auto solids_of = [&](SceneCache* with) {
-        LoadedScene loaded = load_scene(scene, with);
-        std::vector<PreparedObject> objects = prepare_scene(loaded, {}, {}, with);
+        LoadedScene loaded = load_scene(scene, {}, with);
+        std::vector<PreparedObject> objects = prepare_scene(loaded, {}, {}, {}, with);
         std::vector<const physics::SolidPiece*> first; // of each object; the cache keeps them
         for (const PreparedObject& object : objects) first.push_back(object.bodies.solids[0].get());
         Simulation simulation;
@@ -313,8 +313,8 @@ TEST_CASE("scene: edits with a cache make the pieces and states of a fresh load,
     }
     for (int k = 0; k < 60; ++k) { // what is not used is forgotten
         placement(5).scale.y = 1.0 + 0.01 * k;
-        LoadedScene loaded = load_scene(scene, &cache);
-        (void)prepare_scene(loaded, {}, {}, &cache);
+        LoadedScene loaded = load_scene(scene, {}, &cache);
+        (void)prepare_scene(loaded, {}, {}, {}, &cache);
     }
     CHECK(cache.meshes.size() < 20);
     CHECK(cache.prepared.size() < 20);

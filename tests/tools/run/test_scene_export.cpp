@@ -12,10 +12,10 @@
 #include "fracture/mesh/mass_properties.h"
 #include "fracture/mesh/topology.h"
 #include "tests/tools/support.h"
-#include "tools/brittle/base/failure.h"
-#include "tools/brittle/recipe/recipe.h"
-#include "tools/brittle/run/scene.h"
-#include "tools/brittle/run/state_export.h"
+#include "tools/scenario/base/failure.h"
+#include "tools/scenario/recipe/recipe.h"
+#include "tools/scenario/run/scene.h"
+#include "tools/scenario/run/state_export.h"
 
 using namespace brittle;
 using namespace brittle::tools;

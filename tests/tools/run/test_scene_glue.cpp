@@ -1,5 +1,5 @@
 // Glue between the objects of a scene.
-#include "tools/brittle/run/scene_glue.h"
+#include "tools/scenario/run/scene_glue.h"
 
 #include <cmath>
 #include <map>
@@ -15,9 +15,9 @@
 #include "tests/glb_file.h"
 #include "tests/tools/replays.h"
 #include "tests/tools/support.h"
-#include "tools/brittle/recipe/recipe.h"
-#include "tools/brittle/run/scene.h"
-#include "tools/brittle/run/state_export.h"
+#include "tools/scenario/recipe/recipe.h"
+#include "tools/scenario/run/scene.h"
+#include "tools/scenario/run/state_export.h"
 
 using namespace brittle;
 using namespace brittle::tools;

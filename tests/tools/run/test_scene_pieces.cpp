@@ -12,8 +12,8 @@
 #include "tests/glb_file.h"
 #include "tests/tools/replays.h"
 #include "tests/tools/support.h"
-#include "tools/brittle/recipe/recipe.h"
-#include "tools/brittle/run/scene.h"
+#include "tools/scenario/recipe/recipe.h"
+#include "tools/scenario/run/scene.h"
 
 using namespace brittle;
 using namespace brittle::tools;

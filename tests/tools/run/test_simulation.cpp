@@ -1,5 +1,5 @@
 // Simulations: scheduled actions, grabbing, blows, and the poses that a frame must write.
-#include "tools/brittle/run/simulation.h"
+#include "tools/scenario/run/simulation.h"
 
 #include <algorithm>
 #include <cmath>

@@ -7,8 +7,9 @@
 #include "fracture/shapes/shapes.h"
 #include "physics/cutting/destruction.h"
 #include "tests/engine/support.h"
-#include "tools/brittle/base/failure.h"
-#include "tools/brittle/run/stage.h"
+#include "tools/brittle/base/device_failure.h"
+#include "tools/brittle/stage/stage.h"
+#include "tools/scenario/base/failure.h"
 
 using namespace brittle;
 using namespace brittle::tools;

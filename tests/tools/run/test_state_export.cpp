@@ -14,9 +14,9 @@
 #include "fracture/mesh/topology.h"
 #include "tests/tools/support.h"
 #include "tests/tools/wall.h"
-#include "tools/brittle/base/failure.h"
-#include "tools/brittle/run/stage.h"
-#include "tools/brittle/run/state_export.h"
+#include "tools/brittle/stage/stage.h"
+#include "tools/scenario/base/failure.h"
+#include "tools/scenario/run/state_export.h"
 
 using namespace brittle;
 using namespace brittle::tools;

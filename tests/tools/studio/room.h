@@ -9,8 +9,9 @@
 #include <doctest/doctest.h>
 
 #include "tests/engine/support.h"
-#include "tools/brittle/base/failure.h"
+#include "tools/brittle/base/device_failure.h"
 #include "tools/brittle/studio/session.h"
+#include "tools/scenario/base/failure.h"
 
 namespace brittle::tools::test {
 

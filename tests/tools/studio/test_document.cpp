@@ -7,8 +7,8 @@
 #include <doctest/doctest.h>
 
 #include "fracture/base/random.h"
-#include "tools/brittle/base/failure.h"
-#include "tools/brittle/recipe/recipe.h"
+#include "tools/scenario/base/failure.h"
+#include "tools/scenario/recipe/recipe.h"
 
 using namespace brittle;
 using namespace brittle::tools;

@@ -11,9 +11,9 @@
 #include "fracture/io/import.h"
 #include "tests/tools/studio/room.h"
 #include "tests/tools/support.h"
-#include "tools/brittle/recipe/recipe.h"
-#include "tools/brittle/replay/log.h"
 #include "tools/brittle/studio/tools.h"
+#include "tools/scenario/recipe/recipe.h"
+#include "tools/scenario/replay/log.h"
 
 using namespace brittle;
 using namespace brittle::tools;

@@ -16,9 +16,9 @@
 #include "fracture/shapes/shapes.h"
 #include "tests/tools/studio/room.h"
 #include "tests/tools/support.h"
-#include "tools/brittle/base/failure.h"
-#include "tools/brittle/replay/player.h"
 #include "tools/brittle/studio/tools.h"
+#include "tools/scenario/base/failure.h"
+#include "tools/scenario/replay/player.h"
 
 using namespace brittle;
 using namespace brittle::tools;

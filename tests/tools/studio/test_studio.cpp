@@ -11,12 +11,12 @@
 #include <doctest/doctest.h>
 #include <glm/geometric.hpp>
 
-#include "engine/render/view_volume.h"
+#include "engine/camera/view_volume.h"
 #include "fracture/pieces/certificate.h"
 #include "tests/engine/support.h"
 #include "tests/tools/support.h"
-#include "tools/brittle/base/failure.h"
-#include "tools/brittle/run/stage.h"
+#include "tools/brittle/base/device_failure.h"
+#include "tools/brittle/stage/stage.h"
 #include "tools/brittle/studio/frame_times.h"
 #include "tools/brittle/studio/idleness.h"
 #include "tools/brittle/studio/keys.h"
@@ -26,6 +26,7 @@
 #include "tools/brittle/studio/recent.h"
 #include "tools/brittle/studio/viewport.h"
 #include "tools/brittle/studio/worker.h"
+#include "tools/scenario/base/failure.h"
 
 using namespace brittle;
 using namespace brittle::tools;

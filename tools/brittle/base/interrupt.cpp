@@ -6,7 +6,7 @@
 #include <sys/time.h>
 #include <unistd.h>
 
-#include "tools/brittle/base/failure.h"
+#include "tools/scenario/base/failure.h"
 
 namespace brittle::tools {
 

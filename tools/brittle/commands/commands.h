@@ -7,9 +7,9 @@
 
 #include "fracture/doctor/repair.h"
 #include "tools/brittle/profile/scenario.h"
-#include "tools/brittle/recipe/input.h"
-#include "tools/brittle/recipe/piece_export.h"
-#include "tools/brittle/recipe/view_options.h"
+#include "tools/scenario/recipe/input.h"
+#include "tools/scenario/recipe/piece_export.h"
+#include "tools/scenario/recipe/view_options.h"
 
 namespace brittle::tools {
 

@@ -1,15 +1,16 @@
 #include <cstdio>
 
 #include "engine/core/window.h"
-#include "tools/brittle/base/failure.h"
+#include "tools/brittle/base/device_failure.h"
 #include "tools/brittle/base/interrupt.h"
 #include "tools/brittle/commands/commands.h"
 #include "tools/brittle/pictures/view.h"
-#include "tools/brittle/recipe/recipe.h"
-#include "tools/brittle/run/classify_choice.h"
-#include "tools/brittle/run/scene.h"
+#include "tools/brittle/stage/classify_choice.h"
 #include "tools/brittle/studio/studio.h"
 #include "tools/brittle/studio/style.h"
+#include "tools/scenario/base/failure.h"
+#include "tools/scenario/recipe/recipe.h"
+#include "tools/scenario/run/scene.h"
 
 namespace brittle::tools {
 

@@ -2,15 +2,16 @@
 #include <span>
 
 #include "fracture/io/atomic_file.h"
-#include "tools/brittle/base/failure.h"
 #include "tools/brittle/base/interrupt.h"
 #include "tools/brittle/base/progress.h"
 #include "tools/brittle/commands/commands.h"
 #include "tools/brittle/commands/report.h"
 #include "tools/brittle/pictures/view.h"
-#include "tools/brittle/recipe/piece_export.h"
-#include "tools/brittle/recipe/recipe.h"
-#include "tools/brittle/run/classify_choice.h"
+#include "tools/brittle/stage/classify_choice.h"
+#include "tools/brittle/stage/loading.h"
+#include "tools/scenario/base/failure.h"
+#include "tools/scenario/recipe/piece_export.h"
+#include "tools/scenario/recipe/recipe.h"
 
 namespace brittle::tools {
 
@@ -42,7 +43,7 @@ int run_fracture(const FractureCommand& command) {
     catch_interrupts();
     const InterruptDeadline deadline;
     check_export(command.files, "--output");
-    const Input input = load_input(command.fracture, true);
+    const Input input = open_input(command.fracture, true);
     for (const std::string& note : input.model.notes)
         std::fprintf(stderr, "brittle: %s: %s\n", input.name.c_str(), note.c_str());
     const ClassifyPath path = classify_path(command.classify);
@@ -57,7 +58,8 @@ int run_fracture(const FractureCommand& command) {
     const Broken broken = [&] {
         Progress progress("fracturing " + input.name);
         return break_input(
-            input, command.fracture, [&](double share) { progress.update(share); }, choice.classifier.get());
+            input, command.fracture, [&](double share) { progress.update(share); }, choice.classifier.get(),
+            is_interrupted);
     }();
 
     const auto files = write_pieces(command.files, command.fracture, input, broken);

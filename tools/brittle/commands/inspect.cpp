@@ -7,15 +7,17 @@
 #include "engine/core/bitmap.h"
 #include "fracture/doctor/inspect.h"
 #include "fracture/io/export.h"
-#include "tools/brittle/base/failure.h"
+#include "tools/brittle/base/device_failure.h"
 #include "tools/brittle/commands/commands.h"
 #include "tools/brittle/commands/inspect_objects.h"
 #include "tools/brittle/pictures/marks.h"
 #include "tools/brittle/pictures/view.h"
-#include "tools/brittle/recipe/json_reader.h"
-#include "tools/brittle/recipe/recipe.h"
-#include "tools/brittle/run/scene.h"
-#include "tools/brittle/run/stage.h"
+#include "tools/brittle/stage/loading.h"
+#include "tools/brittle/stage/stage.h"
+#include "tools/scenario/base/failure.h"
+#include "tools/scenario/recipe/json_reader.h"
+#include "tools/scenario/recipe/recipe.h"
+#include "tools/scenario/run/scene.h"
 
 namespace brittle::tools {
 
@@ -138,7 +140,7 @@ int inspect_scene(const InspectCommand& command) {
     read_recipe(command.mesh, options);
     if (!is_scene(options))
         throw Failure(exit_usage, command.mesh + " is a recipe of one mesh; inspect " + options.mesh + " instead");
-    const LoadedScene scene = load_scene(options);
+    const LoadedScene scene = open_scene(options, program_host());
     const std::vector<InspectedObject> objects = inspect_objects(scene);
     if (command.json)
         std::printf("%s\n", text_of({{"scene", command.mesh}, {"objects", to_json(objects, true)}}, 2).c_str());

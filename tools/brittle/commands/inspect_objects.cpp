@@ -1,4 +1,5 @@
 #include "tools/brittle/commands/inspect_objects.h"
+#include "tools/brittle/stage/loading.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -101,7 +102,7 @@ std::optional<LoadedScene> nodes_of(const std::string& mesh) {
     FractureOptions scene;
     scene.units = LengthUnit::metre;
     scene.level.mesh = mesh;
-    LoadedScene loaded = load_scene(scene);
+    LoadedScene loaded = open_scene(scene, program_host());
     if (loaded.objects.size() < 2) return std::nullopt;
     return loaded;
 }

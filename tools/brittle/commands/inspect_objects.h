@@ -9,7 +9,7 @@
 #include <glm/vec3.hpp>
 #include <nlohmann/json_fwd.hpp>
 
-#include "tools/brittle/run/scene.h"
+#include "tools/scenario/run/scene.h"
 
 namespace brittle::tools {
 

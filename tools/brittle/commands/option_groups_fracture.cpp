@@ -10,7 +10,7 @@
 #include "fracture/shapes/shapes.h"
 #include "tools/brittle/commands/option_groups.h"
 #include "tools/brittle/commands/option_values.h"
-#include "tools/brittle/recipe/recipe.h"
+#include "tools/scenario/recipe/recipe.h"
 
 namespace brittle::tools {
 

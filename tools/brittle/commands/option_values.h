@@ -6,7 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <glm/vec2.hpp>
 
-#include "tools/brittle/recipe/input.h"
+#include "tools/scenario/recipe/input.h"
 
 namespace brittle::tools {
 

@@ -6,8 +6,6 @@
 #include <nlohmann/json.hpp>
 
 #include "fracture/io/atomic_file.h"
-#include "tools/brittle/base/environment.h"
-#include "tools/brittle/base/failure.h"
 #include "tools/brittle/base/interrupt.h"
 #include "tools/brittle/commands/commands.h"
 #include "tools/brittle/profile/compare.h"
@@ -15,7 +13,9 @@
 #include "tools/brittle/profile/measure.h"
 #include "tools/brittle/profile/table.h"
 #include "tools/brittle/profile/trace.h"
-#include "tools/brittle/recipe/json_reader.h"
+#include "tools/scenario/base/environment.h"
+#include "tools/scenario/base/failure.h"
+#include "tools/scenario/recipe/json_reader.h"
 
 namespace brittle::tools {
 

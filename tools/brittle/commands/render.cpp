@@ -8,19 +8,21 @@
 #include "fracture/io/atomic_file.h"
 #include "physics/bonds/anchor.h"
 #include "physics/material.h"
-#include "tools/brittle/base/failure.h"
+#include "tools/brittle/base/device_failure.h"
 #include "tools/brittle/base/interrupt.h"
 #include "tools/brittle/base/progress.h"
 #include "tools/brittle/commands/commands.h"
 #include "tools/brittle/pictures/film.h"
 #include "tools/brittle/pictures/picture.h"
 #include "tools/brittle/pictures/view.h"
-#include "tools/brittle/recipe/recipe.h"
-#include "tools/brittle/replay/recorder.h"
-#include "tools/brittle/run/classify_choice.h"
-#include "tools/brittle/run/scene.h"
-#include "tools/brittle/run/stage.h"
-#include "tools/brittle/run/state_export.h"
+#include "tools/brittle/stage/classify_choice.h"
+#include "tools/brittle/stage/loading.h"
+#include "tools/brittle/stage/stage.h"
+#include "tools/scenario/base/failure.h"
+#include "tools/scenario/recipe/recipe.h"
+#include "tools/scenario/replay/recorder.h"
+#include "tools/scenario/run/scene.h"
+#include "tools/scenario/run/state_export.h"
 
 namespace brittle::tools {
 
@@ -91,7 +93,8 @@ std::shared_ptr<const fracture::Fragments> break_on_stage(const RenderCommand& c
     if (command.classify != "cpu") std::fprintf(stderr, "brittle: classification on the %s\n", choice.why.c_str());
     Progress progress("fracturing " + input.name);
     Broken broken = break_input(
-        input, command.fracture, [&](double share) { progress.update(share); }, choice.classifier.get());
+        input, command.fracture, [&](double share) { progress.update(share); }, choice.classifier.get(),
+        is_interrupted);
     stage.stand(broken.fragments, world);
     return std::make_shared<const fracture::Fragments>(std::move(broken.fragments));
 }
@@ -160,19 +163,20 @@ void check_scene_options(const RenderCommand& command) {
 int render_scene(const RenderCommand& command, const FilmOptions& film_options) {
     const PictureOptions& picture = command.fracture.picture;
     check_scene_options(command);
-    LoadedScene scene = load_scene(command.fracture);
+    const Host host = drawing_host();
+    LoadedScene scene = open_scene(command.fracture, host);
     if (!command.fracture.save_recipe.empty()) write_recipe(command.fracture.save_recipe, command.fracture);
     const std::unique_ptr<engine::Device> device = open_device(command.view);
     const auto renderer = must(engine::Renderer::create(*device, film_settings(command.view)));
     Stage stage(*renderer, scene.home);
     std::optional<Recorder> recorder;
     if (!command.record.empty()) {
-        recorder.emplace(command.record, command.fracture);
+        recorder.emplace(command.record, command.fracture, program_host());
         stage.simulation().observe(&*recorder);
     }
     {
         Progress progress("preparing the scene");
-        stage.stand(prepare_scene(scene, payload_maker(*renderer), [&](double share) { progress.update(share); }),
+        stage.stand(prepare_scene(scene, host, payload_maker(*renderer), [&](double share) { progress.update(share); }),
                     scene.world);
     }
     for (const std::string& note : scene.notes) std::fprintf(stderr, "brittle: %s\n", note.c_str());
@@ -204,7 +208,7 @@ int run_render(const RenderCommand& command) {
     catch_interrupts();
     if (is_scene(command.fracture)) return render_scene(command, film_options);
     const bool exports = !command.pieces.files.output.empty();
-    const Input source = load_input(command.fracture, exports || wants_looks(picture)),
+    const Input source = open_input(command.fracture, exports || wants_looks(picture)),
                 input = placed_on_stage(source, command.fracture.world);
     const std::shared_ptr<const MeshLooks> looks = load_looks(source, input, picture);
     const WorldOptions world = world_of(command.fracture, input.scale);
@@ -215,7 +219,7 @@ int run_render(const RenderCommand& command) {
     stage.colour_by(picture.colours);
     std::optional<Recorder> recorder;
     if (!command.record.empty()) {
-        recorder.emplace(command.record, command.fracture);
+        recorder.emplace(command.record, command.fracture, program_host());
         stage.simulation().observe(&*recorder);
     }
     std::shared_ptr<const fracture::Fragments> fragments;

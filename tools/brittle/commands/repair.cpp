@@ -3,8 +3,8 @@
 #include "fracture/doctor/inspect.h"
 #include "fracture/doctor/repair.h"
 #include "fracture/io/export.h"
-#include "tools/brittle/base/failure.h"
 #include "tools/brittle/commands/commands.h"
+#include "tools/scenario/base/failure.h"
 
 namespace brittle::tools {
 

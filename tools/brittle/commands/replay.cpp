@@ -2,16 +2,18 @@
 #include <memory>
 #include <optional>
 
-#include "tools/brittle/base/failure.h"
+#include "tools/brittle/base/device_failure.h"
 #include "tools/brittle/base/interrupt.h"
 #include "tools/brittle/base/progress.h"
 #include "tools/brittle/commands/commands.h"
 #include "tools/brittle/pictures/film.h"
 #include "tools/brittle/pictures/view.h"
-#include "tools/brittle/replay/player.h"
-#include "tools/brittle/run/scene.h"
-#include "tools/brittle/run/stage.h"
-#include "tools/brittle/run/state_export.h"
+#include "tools/brittle/stage/loading.h"
+#include "tools/brittle/stage/stage.h"
+#include "tools/scenario/base/failure.h"
+#include "tools/scenario/replay/player.h"
+#include "tools/scenario/run/loaded_run.h"
+#include "tools/scenario/run/state_export.h"
 
 namespace brittle::tools {
 
@@ -26,41 +28,28 @@ void run_steps(Simulation& simulation, const Player& player, uint64_t steps) {
     }
 }
 
-// What the recipe of the log loads: one mesh, or a scene.
-struct Run {
+// The run of a log, and what the command line asks of it.
+struct Replayed {
     const ReplayCommand& command;
     const ReplayLog& log;
-    Input source{}, input{}; // of one mesh: in the coordinates of its file, and on the stage
-    std::shared_ptr<const fracture::Fragments> fragments{};
-    WorldOptions world{};
-    LoadedScene scene{};
-
-    [[nodiscard]] bool of_scene() const { return is_scene(log.recipe); }
-    [[nodiscard]] std::string name() const {
-        return of_scene() ? std::to_string(scene.objects.size()) + " objects" : source.name;
-    }
+    LoadedRun run;
 };
 
-Run load_run(const ReplayCommand& command, const ReplayLog& log) {
+Replayed load(const ReplayCommand& command, const ReplayLog& log) {
     check_export(command.pieces.files, "--export");
-    Run run{command, log};
-    if (run.of_scene()) {
-        check_export_of_scene(log.recipe, command.pieces.files);
-        run.scene = load_scene(log.recipe);
-        return run;
-    }
+    if (is_scene(log.recipe)) check_export_of_scene(log.recipe, command.pieces.files);
+    const bool exports = !command.pieces.files.output.empty();
     const bool draws = !command.pictures.empty() || !command.video.empty();
-    run.source =
-        load_input(log.recipe, !command.pieces.files.output.empty() || (draws && wants_looks(log.recipe.picture)));
-    run.input = placed_on_stage(run.source, log.recipe.world);
-    run.fragments = std::make_shared<const fracture::Fragments>(break_input(run.input, log.recipe).fragments);
-    run.world = world_of(log.recipe, run.input.scale);
-    return run;
+    const InterruptDeadline deadline; // nothing is lost yet
+    return {command, log,
+            load_run(log.recipe, draws ? drawing_host() : program_host(),
+                     exports || (draws && wants_looks(log.recipe.picture)))};
 }
 
 // Writes the pieces, unless the run differed from the log.
-void write_pieces_of(const Run& run, const Player& player, const Simulation& simulation) {
-    const StateExport& pieces = run.command.pieces;
+void write_pieces_of(const Replayed& replayed, const Player& player, const Simulation& simulation) {
+    const StateExport& pieces = replayed.command.pieces;
+    const LoadedRun& run = replayed.run;
     if (pieces.files.output.empty() || player.difference()) return;
     if (run.of_scene()) {
         const size_t written = write_scene_state(pieces.files, pieces_as(pieces.as), run.scene, simulation);
@@ -68,30 +57,29 @@ void write_pieces_of(const Run& run, const Player& player, const Simulation& sim
         return;
     }
     const Snapshot state = snapshot(simulation, run.fragments);
-    const auto files = write_state(pieces.files, pieces_as(pieces.as), run.log.recipe, run.source, state);
+    const auto files = write_state(pieces.files, pieces_as(pieces.as), run.recipe, run.source, state);
     std::printf("%s: %s\n", run.source.name.c_str(), written_text(state.pieces.size(), files).c_str());
 }
 
 // Replays without a device and stops at the first difference.
-void replay(Run& run, Player& player) {
-    Simulation simulation(run.log.recipe.material);
+void replay(Replayed& replayed, Player& player) {
+    const ReplayLog& log = replayed.log;
+    Simulation simulation(log.recipe.material);
     simulation.observe(&player);
-    follow(run.log, simulation);
-    if (run.of_scene())
-        simulation.start(prepare_scene(run.scene), run.scene.world);
-    else
-        simulation.start(*run.fragments, run.world);
+    follow(log, simulation);
+    replayed.run.start(simulation, program_host());
     if (player.difference()) return;
-    schedule(run.log, simulation);
-    run_steps(simulation, player, run.log.states.size());
-    write_pieces_of(run, player, simulation);
+    schedule(log, simulation);
+    run_steps(simulation, player, log.states.size());
+    write_pieces_of(replayed, player, simulation);
 }
 
 // Replays and draws. Goes on after a difference, so that its consequences are visible, except if the initial pieces
 // differ from the log's.
-void draw(Run& run, Player& player) {
-    const ReplayCommand& command = run.command;
-    const ReplayLog& log = run.log;
+void draw(Replayed& replayed, Player& player) {
+    const ReplayCommand& command = replayed.command;
+    const ReplayLog& log = replayed.log;
+    LoadedRun& run = replayed.run;
     const std::unique_ptr<engine::Device> device = open_device(command.view);
     const auto renderer = must(engine::Renderer::create(*device, film_settings(command.view)));
     std::optional<Stage> owner;
@@ -105,7 +93,7 @@ void draw(Run& run, Player& player) {
     stage.simulation().observe(&player);
     follow(log, stage.simulation());
     if (run.of_scene())
-        stage.stand(prepare_scene(run.scene, payload_maker(*renderer)), run.scene.world);
+        stage.stand(prepare_scene(run.scene, drawing_host(), payload_maker(*renderer)), run.scene.world);
     else
         stage.stand(*run.fragments, run.world);
     if (player.difference()) return;
@@ -132,7 +120,7 @@ int run_replay(const ReplayCommand& command) {
     catch_interrupts();
     ReplayLog log = read_replay_log(command.log);
     log.recipe.threads = command.threads;
-    Run run = load_run(command, log);
+    Replayed run = load(command, log);
     Player player(log);
     if (command.pictures.empty() && command.video.empty())
         replay(run, player);

@@ -1,5 +1,5 @@
 #include "tools/brittle/commands/report.h"
-#include "tools/brittle/recipe/json_reader.h"
+#include "tools/scenario/recipe/json_reader.h"
 
 #include <cinttypes>
 #include <cstdarg>

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "tools/brittle/recipe/input.h"
+#include "tools/scenario/recipe/input.h"
 
 namespace brittle::tools {
 

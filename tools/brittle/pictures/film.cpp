@@ -1,9 +1,10 @@
 #include "tools/brittle/pictures/film.h"
 
 #include "engine/core/bitmap.h"
-#include "tools/brittle/base/failure.h"
+#include "tools/brittle/base/device_failure.h"
 #include "tools/brittle/pictures/id_picture.h"
 #include "tools/brittle/pictures/picture_name.h"
+#include "tools/scenario/base/failure.h"
 
 namespace brittle::tools {
 

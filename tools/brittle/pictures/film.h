@@ -9,8 +9,8 @@
 #include "engine/render/renderer.h"
 #include "tools/brittle/pictures/picture.h"
 #include "tools/brittle/pictures/video.h"
-#include "tools/brittle/recipe/view_options.h"
-#include "tools/brittle/run/stage.h"
+#include "tools/brittle/stage/stage.h"
+#include "tools/scenario/recipe/view_options.h"
 
 namespace brittle::tools {
 

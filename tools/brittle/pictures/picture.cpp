@@ -9,9 +9,9 @@
 #include "fracture/mesh/half_edge.h"
 #include "fracture/sequential/bisectors.h"
 #include "fracture/sequential/sequential.h"
-#include "tools/brittle/base/failure.h"
 #include "tools/brittle/pictures/view.h"
-#include "tools/brittle/recipe/input.h"
+#include "tools/scenario/base/failure.h"
+#include "tools/scenario/recipe/input.h"
 
 namespace brittle::tools {
 

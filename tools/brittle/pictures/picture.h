@@ -5,11 +5,11 @@
 #include <span>
 #include <vector>
 
-#include "engine/render/camera.h"
+#include "engine/camera/camera.h"
 #include "engine/render/scene.h"
 #include "fracture/mesh/mesh.h"
 #include "fracture/pieces/fragments.h"
-#include "tools/brittle/recipe/picture_options.h"
+#include "tools/scenario/recipe/picture_options.h"
 
 namespace brittle::tools {
 

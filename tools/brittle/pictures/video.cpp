@@ -12,7 +12,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "tools/brittle/base/failure.h"
+#include "tools/scenario/base/failure.h"
 
 namespace brittle::tools {
 

@@ -2,7 +2,8 @@
 
 #include <cstdlib>
 
-#include "tools/brittle/base/failure.h"
+#include "tools/brittle/base/device_failure.h"
+#include "tools/scenario/base/failure.h"
 
 namespace brittle::tools {
 

@@ -3,10 +3,10 @@
 
 #include <memory>
 
+#include "engine/camera/camera.h"
 #include "engine/gpu/device.h"
-#include "engine/render/camera.h"
 #include "engine/render/renderer.h"
-#include "tools/brittle/recipe/view_options.h"
+#include "tools/scenario/recipe/view_options.h"
 
 namespace brittle::tools {
 

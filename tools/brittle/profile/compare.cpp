@@ -4,8 +4,8 @@
 #include <cstdio>
 #include <limits>
 
-#include "tools/brittle/base/failure.h"
-#include "tools/brittle/recipe/json_reader.h"
+#include "tools/scenario/base/failure.h"
+#include "tools/scenario/recipe/json_reader.h"
 
 namespace brittle::tools {
 

@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tools/brittle/base/failure.h"
+#include "tools/brittle/base/interrupt.h"
 #include "tools/brittle/base/progress.h"
 #include "tools/brittle/profile/passes.h"
+#include "tools/scenario/base/failure.h"
 
 namespace brittle::tools {
 
@@ -18,7 +19,8 @@ FractureTimes measure_fractures(const Scenario& scenario, const Input& input, co
     for (uint32_t run = 0; run < runs; ++run) {
         const int64_t begin = trace_clock();
         work.clear();
-        const Broken broken = break_input(input, scenario.fracture, {}, classifier, {}, trace ? &work : nullptr);
+        const Broken broken =
+            break_input(input, scenario.fracture, {}, classifier, is_interrupted, trace ? &work : nullptr);
         check_classifier(classifier);
         progress.update(static_cast<double>(run + 1) / runs);
         if (run == 0) times.first_milliseconds = broken.milliseconds;

@@ -6,7 +6,7 @@
 #include "tools/brittle/profile/scenario.h"
 #include "tools/brittle/profile/series.h"
 #include "tools/brittle/profile/trace.h"
-#include "tools/brittle/recipe/input.h"
+#include "tools/scenario/recipe/input.h"
 
 namespace brittle::tools {
 

@@ -4,14 +4,15 @@
 #include <future>
 #include <utility>
 
-#include "engine/render/camera.h"
-#include "tools/brittle/base/failure.h"
+#include "engine/camera/camera.h"
+#include "tools/brittle/base/device_failure.h"
 #include "tools/brittle/base/interrupt.h"
 #include "tools/brittle/base/progress.h"
 #include "tools/brittle/pictures/view.h"
 #include "tools/brittle/profile/fractures.h"
 #include "tools/brittle/profile/passes.h"
-#include "tools/brittle/run/stage.h"
+#include "tools/brittle/stage/stage.h"
+#include "tools/scenario/base/failure.h"
 
 namespace brittle::tools {
 
@@ -95,7 +96,7 @@ FrameTimes measure_frames(const Scenario& scenario, const Input& input, uint32_t
     int64_t cut = 0, ready = 0;
     std::future<std::pair<Broken, PreparedPieces>> breaking = std::async(std::launch::async, [&] {
         begin = trace_clock();
-        Broken broken = break_input(input, scenario.fracture, {}, classifier, {}, trace ? &work : nullptr);
+        Broken broken = break_input(input, scenario.fracture, {}, classifier, is_interrupted, trace ? &work : nullptr);
         cut = trace_clock();
         PreparedPieces ahead =
             prepare_pieces(renderer, broken.fragments, {}, scenario.fracture.material, scenario.fracture.threads);

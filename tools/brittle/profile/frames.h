@@ -9,8 +9,8 @@
 #include "tools/brittle/profile/scenario.h"
 #include "tools/brittle/profile/series.h"
 #include "tools/brittle/profile/trace.h"
-#include "tools/brittle/recipe/input.h"
-#include "tools/brittle/recipe/view_options.h"
+#include "tools/scenario/recipe/input.h"
+#include "tools/scenario/recipe/view_options.h"
 
 namespace brittle::tools {
 

@@ -2,12 +2,14 @@
 
 #include <filesystem>
 
-#include "tools/brittle/base/failure.h"
+#include "tools/brittle/base/device_failure.h"
 #include "tools/brittle/pictures/view.h"
 #include "tools/brittle/profile/fractures.h"
 #include "tools/brittle/profile/frames.h"
-#include "tools/brittle/recipe/recipe.h"
-#include "tools/brittle/run/stage.h"
+#include "tools/brittle/stage/loading.h"
+#include "tools/brittle/stage/stage.h"
+#include "tools/scenario/base/failure.h"
+#include "tools/scenario/recipe/recipe.h"
 
 namespace brittle::tools {
 
@@ -49,7 +51,7 @@ engine::Renderer& Profiler::renderer() {
 }
 
 Json Profiler::measure(const Scenario& scenario) {
-    const Input input = placed_on_stage(load_input(scenario.fracture));
+    const Input input = placed_on_stage(open_input(scenario.fracture));
     const ClassifyChoice choice = choose(scenario, input);
     engine::GpuClassifier* const classifier = choice.classifier.get();
     const int64_t begin = trace_clock();

@@ -12,7 +12,7 @@
 #include "engine/render/renderer.h"
 #include "tools/brittle/profile/scenario.h"
 #include "tools/brittle/profile/trace.h"
-#include "tools/brittle/recipe/view_options.h"
+#include "tools/scenario/recipe/view_options.h"
 
 namespace brittle::tools {
 

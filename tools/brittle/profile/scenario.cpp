@@ -5,9 +5,9 @@
 #include <string_view>
 
 #include "fracture/io/text_cursor.h"
-#include "tools/brittle/base/failure.h"
-#include "tools/brittle/recipe/json_reader.h"
-#include "tools/brittle/recipe/recipe.h"
+#include "tools/scenario/base/failure.h"
+#include "tools/scenario/recipe/json_reader.h"
+#include "tools/scenario/recipe/recipe.h"
 
 namespace brittle::tools {
 

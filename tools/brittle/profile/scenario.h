@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "tools/brittle/recipe/input.h"
-#include "tools/brittle/run/classify_choice.h"
+#include "tools/brittle/stage/classify_choice.h"
+#include "tools/scenario/recipe/input.h"
 
 namespace brittle::tools {
 

@@ -17,8 +17,8 @@
 #include <string>
 #include <vector>
 
-#include "tools/brittle/base/failure.h"
 #include "tools/brittle/studio/worker.h"
+#include "tools/scenario/base/failure.h"
 
 namespace brittle::tools {
 

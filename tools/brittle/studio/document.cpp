@@ -6,8 +6,8 @@
 #include <set>
 #include <utility>
 
-#include "tools/brittle/base/failure.h"
-#include "tools/brittle/recipe/recipe.h"
+#include "tools/scenario/base/failure.h"
+#include "tools/scenario/recipe/recipe.h"
 
 namespace brittle::tools {
 

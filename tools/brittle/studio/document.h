@@ -21,7 +21,7 @@
 
 #include <glm/vec3.hpp>
 
-#include "tools/brittle/recipe/input.h"
+#include "tools/scenario/recipe/input.h"
 
 namespace brittle::tools {
 

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <utility>
 
-#include "tools/brittle/base/failure.h"
-#include "tools/brittle/run/state_export.h"
 #include "tools/brittle/studio/piece_view.h"
+#include "tools/scenario/base/failure.h"
+#include "tools/scenario/run/state_export.h"
 
 namespace brittle::tools {
 

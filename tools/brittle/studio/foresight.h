@@ -12,8 +12,8 @@
 
 #include "fracture/pieces/fragments.h"
 #include "physics/cutting/destruction.h"
-#include "tools/brittle/run/simulation.h"
 #include "tools/brittle/studio/object.h"
+#include "tools/scenario/run/simulation.h"
 
 namespace brittle::tools {
 

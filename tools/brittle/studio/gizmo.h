@@ -16,8 +16,8 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
-#include "tools/brittle/recipe/placement.h"
 #include "tools/brittle/studio/viewport.h"
+#include "tools/scenario/recipe/placement.h"
 
 namespace brittle::tools {
 

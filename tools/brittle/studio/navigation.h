@@ -1,8 +1,8 @@
 // The camera of the studio: orbit, pan, zoom towards the cursor, fly, frame.
 #pragma once
 
+#include "engine/camera/camera.h"
 #include "engine/core/window.h"
-#include "engine/render/camera.h"
 #include "tools/brittle/pictures/picture.h"
 #include "tools/brittle/studio/viewport.h"
 

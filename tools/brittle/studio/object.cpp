@@ -9,10 +9,11 @@
 #include <glm/geometric.hpp>
 
 #include "fracture/mesh/topology.h"
-#include "tools/brittle/base/failure.h"
-#include "tools/brittle/recipe/recipe.h"
-#include "tools/brittle/run/scene_glue.h"
-#include "tools/brittle/run/stage.h"
+#include "tools/brittle/stage/loading.h"
+#include "tools/brittle/stage/stage.h"
+#include "tools/scenario/base/failure.h"
+#include "tools/scenario/recipe/recipe.h"
+#include "tools/scenario/run/scene_glue.h"
 
 namespace brittle::tools {
 
@@ -55,8 +56,9 @@ std::shared_ptr<const Object> Object::load(const FractureOptions& options, const
                                            const Object* earlier) {
     if (tools::is_scene(options)) {
         auto cache = earlier && earlier->cache_ ? earlier->cache_ : std::make_shared<SceneCache>();
-        LoadedScene scene = load_scene(options, cache.get());
-        std::vector<PreparedObject> parts = prepare_scene(scene, {}, progress, cache.get());
+        const Host host = drawing_host();
+        LoadedScene scene = open_scene(options, host, cache.get());
+        std::vector<PreparedObject> parts = prepare_scene(scene, host, {}, progress, cache.get());
         const std::shared_ptr<Object> made(new Object(std::move(scene), std::move(parts)));
         made->cache_ = std::move(cache);
         made->but_places_ = all_but_places(options);
@@ -66,7 +68,7 @@ std::shared_ptr<const Object> Object::load(const FractureOptions& options, const
     }
     Input input = load_mesh_only(options.mesh, true);
     input.units = options.units;
-    prepare_mesh(options, input);
+    prepare_mesh(options, input, program_host());
     const auto report = fracture::check_topology(input.model.mesh.positions.size(), input.model.mesh.triangles);
     if (!report.closed()) throw Failure(exit_mesh, input.name + ": " + fracture::describe(report));
     std::string overlap = options.unite ? std::string() : overlap_of(input.model.mesh);

@@ -12,11 +12,11 @@
 #include "engine/render/piece_batch.h"
 #include "engine/render/renderer.h"
 #include "fracture/mesh/triangle_tree.h"
-#include "tools/brittle/recipe/input.h"
-#include "tools/brittle/run/mesh_looks.h"
-#include "tools/brittle/run/scene.h"
-#include "tools/brittle/run/scene_cache.h"
-#include "tools/brittle/run/stage_placement.h"
+#include "tools/brittle/stage/mesh_looks.h"
+#include "tools/scenario/recipe/input.h"
+#include "tools/scenario/run/scene.h"
+#include "tools/scenario/run/scene_cache.h"
+#include "tools/scenario/run/stage_placement.h"
 
 namespace brittle::tools {
 

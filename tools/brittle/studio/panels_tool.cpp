@@ -10,10 +10,10 @@
 
 #include <imgui.h>
 
-#include "tools/brittle/recipe/recipe.h"
 #include "tools/brittle/studio/panels.h"
 #include "tools/brittle/studio/style.h"
 #include "tools/brittle/studio/widgets.h"
+#include "tools/scenario/recipe/recipe.h"
 
 namespace brittle::tools {
 

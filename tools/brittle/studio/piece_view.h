@@ -13,7 +13,7 @@
 
 #include "engine/render/scene.h"
 #include "fracture/pieces/fragments.h"
-#include "tools/brittle/run/simulation.h"
+#include "tools/scenario/run/simulation.h"
 
 namespace brittle::tools {
 

@@ -5,9 +5,10 @@
 
 #include <glm/geometric.hpp>
 
-#include "tools/brittle/base/failure.h"
-#include "tools/brittle/base/stopwatch.h"
+#include "tools/brittle/base/device_failure.h"
 #include "tools/brittle/pictures/picture.h"
+#include "tools/scenario/base/failure.h"
+#include "tools/scenario/base/stopwatch.h"
 
 namespace brittle::tools {
 

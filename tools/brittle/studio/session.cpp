@@ -8,8 +8,8 @@
 
 #include <glm/geometric.hpp>
 
-#include "tools/brittle/base/failure.h"
-#include "tools/brittle/recipe/recipe.h"
+#include "tools/scenario/base/failure.h"
+#include "tools/scenario/recipe/recipe.h"
 
 namespace brittle::tools {
 

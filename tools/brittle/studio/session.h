@@ -24,9 +24,7 @@
 #include <vector>
 
 #include "engine/render/renderer.h"
-#include "tools/brittle/base/failure.h"
-#include "tools/brittle/replay/recorder.h"
-#include "tools/brittle/run/stage.h"
+#include "tools/brittle/stage/stage.h"
 #include "tools/brittle/studio/activity.h"
 #include "tools/brittle/studio/document.h"
 #include "tools/brittle/studio/object.h"
@@ -35,6 +33,8 @@
 #include "tools/brittle/studio/stage_preview.h"
 #include "tools/brittle/studio/stage_sites.h"
 #include "tools/brittle/studio/tool_settings.h"
+#include "tools/scenario/base/failure.h"
+#include "tools/scenario/replay/recorder.h"
 
 namespace brittle::tools {
 

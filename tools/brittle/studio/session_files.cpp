@@ -2,10 +2,11 @@
 
 #include <utility>
 
-#include "tools/brittle/base/failure.h"
-#include "tools/brittle/recipe/recipe.h"
-#include "tools/brittle/run/scene.h"
+#include "tools/brittle/stage/loading.h"
 #include "tools/brittle/studio/session.h"
+#include "tools/scenario/base/failure.h"
+#include "tools/scenario/recipe/recipe.h"
+#include "tools/scenario/run/scene.h"
 
 namespace brittle::tools {
 
@@ -102,7 +103,7 @@ void SessionFiles::export_pieces(const std::filesystem::path& file, PiecesAs as)
     session_.activity_.start(
         "writing " + file.string(),
         [this, settings, as, options, state, object = session_.object_](const Worker::Cancelled& cancelled) {
-            const Input source = load_input(options, true);
+            const Input source = open_input(options, true);
             size_t pieces = 0;
             std::vector<std::filesystem::path> files;
             if (state) {

@@ -8,8 +8,8 @@
 #include <string>
 
 #include "tools/brittle/pictures/video.h"
-#include "tools/brittle/recipe/piece_export.h"
-#include "tools/brittle/run/state_export.h"
+#include "tools/scenario/recipe/piece_export.h"
+#include "tools/scenario/run/state_export.h"
 
 namespace brittle::tools {
 

@@ -9,7 +9,7 @@
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
 
-#include "tools/brittle/recipe/recipe.h"
+#include "tools/scenario/recipe/recipe.h"
 
 namespace brittle::tools {
 

@@ -4,8 +4,9 @@
 
 #include <glm/gtc/quaternion.hpp>
 
-#include "tools/brittle/base/failure.h"
+#include "tools/brittle/base/device_failure.h"
 #include "tools/brittle/studio/session.h"
+#include "tools/scenario/base/failure.h"
 
 namespace brittle::tools {
 

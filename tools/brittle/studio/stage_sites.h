@@ -6,8 +6,8 @@
 
 #include <glm/vec3.hpp>
 
-#include "tools/brittle/recipe/input.h"
 #include "tools/brittle/studio/object.h"
+#include "tools/scenario/recipe/input.h"
 
 namespace brittle::tools {
 

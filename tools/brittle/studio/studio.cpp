@@ -11,9 +11,10 @@
 #include "fracture/io/export.h"
 #include "fracture/io/import.h"
 #include "physics/material.h"
-#include "tools/brittle/base/failure.h"
+#include "tools/brittle/base/device_failure.h"
 #include "tools/brittle/base/interrupt.h"
 #include "tools/brittle/pictures/picture_name.h"
+#include "tools/scenario/base/failure.h"
 
 namespace brittle::tools {
 

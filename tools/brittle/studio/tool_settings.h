@@ -3,9 +3,9 @@
 
 #include <cstdint>
 
-#include "tools/brittle/recipe/strike.h"
 #include "tools/brittle/studio/foresight.h"
 #include "tools/brittle/studio/object.h"
+#include "tools/scenario/recipe/strike.h"
 
 namespace brittle::tools {
 

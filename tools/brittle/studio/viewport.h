@@ -7,7 +7,7 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
-#include "engine/render/camera.h"
+#include "engine/camera/camera.h"
 
 namespace brittle::tools {
 

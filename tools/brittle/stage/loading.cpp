@@ -1,0 +1,33 @@
+#include "tools/brittle/stage/loading.h"
+
+#include <cstdio>
+
+#include "tools/brittle/base/interrupt.h"
+#include "tools/brittle/stage/mesh_looks.h"
+
+namespace brittle::tools {
+
+Host program_host() {
+    return {.cancelled = is_interrupted,
+            .report = [](const std::string& text) { std::fprintf(stderr, "brittle: %s\n", text.c_str()); }};
+}
+
+Host drawing_host() {
+    Host host = program_host();
+    host.looks = {.materials = [](const fracture::Model& model,
+                                  std::vector<std::string>& notes) { return materials_of(model, notes); },
+                  .looks = looks_of};
+    return host;
+}
+
+Input open_input(const FractureOptions& options, bool with_looks) {
+    const InterruptDeadline deadline; // nothing is lost yet
+    return load_input(options, with_looks, program_host());
+}
+
+LoadedScene open_scene(const FractureOptions& options, const Host& host, SceneCache* cache) {
+    const InterruptDeadline deadline;
+    return load_scene(options, host, cache);
+}
+
+} // namespace brittle::tools

@@ -1,0 +1,138 @@
+#include "tools/scenario/run/mesh_files.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <system_error>
+#include <utility>
+
+#include <glm/matrix.hpp>
+
+#include "fracture/io/text_cursor.h"
+#include "fracture/mesh/mass_properties.h"
+#include "fracture/mesh/topology.h"
+#include "tools/scenario/base/failure.h"
+#include "tools/scenario/recipe/json_reader.h"
+
+namespace brittle::tools {
+namespace {
+
+// A node's mesh in the coordinates of its file. A mirrored mesh is turned, so that it stays outside out.
+fracture::TriangleMesh placed(fracture::TriangleMesh mesh, const glm::dmat4& world) {
+    for (glm::dvec3& p : mesh.positions) p = glm::dvec3(world * glm::dvec4(p, 1.0));
+    if (glm::determinant(glm::dmat3(world)) < 0.0)
+        for (fracture::Triangle& t : mesh.triangles) std::swap(t.y, t.z);
+    return mesh;
+}
+
+} // namespace
+
+const fracture::TriangleMesh& MeshFiles::mesh_of(const SceneObject& object) {
+    const std::string& file = object.recipe.mesh;
+    if (object.in_pieces) return pieces_of(file);
+    if (!object.node.empty()) {
+        const Content& content = content_of(file);
+        return content.scene.meshes[mesh_in(content, object)].mesh;
+    }
+    return whole_of(file).model.mesh;
+}
+
+MeshFiles::Whole& MeshFiles::whole_of(const std::string& file) {
+    std::string stamp = stamp_of(file);
+    auto at = whole_.find(file);
+    if (at == whole_.end() || at->second.stamp != stamp)
+        at = whole_.insert_or_assign(file, Whole{std::move(stamp), load_mesh_only(file, true).model, false, {}}).first;
+    return at->second;
+}
+
+const fracture::Model& MeshFiles::model_of(const SceneObject& object) {
+    if (!object.in_pieces && object.node.empty()) return whole_of(object.recipe.mesh).model;
+    fracture::Model model;
+    model.mesh = mesh_of(object);
+    mesh_only_ = std::move(model);
+    return mesh_only_;
+}
+
+std::shared_ptr<const engine::MaterialSet> MeshFiles::materials_of(const SceneObject& object, const LooksMaker& maker,
+                                                                   std::vector<std::string>& notes) {
+    if (!maker.materials || object.in_pieces || !object.node.empty()) return nullptr;
+    Whole& whole = whole_of(object.recipe.mesh);
+    if (!std::exchange(whole.is_decoded, true)) {
+        std::vector<std::string> own = std::exchange(whole.model.notes, {});
+        whole.materials = maker.materials(whole.model, own);
+        for (const std::string& note : own) notes.push_back(mesh_name(object.recipe.mesh) + ": " + note);
+        whole.model.images.clear();
+    }
+    return whole.materials;
+}
+
+std::optional<uint32_t> MeshFiles::index_of(const SceneObject& object) {
+    if (object.node.empty()) return std::nullopt;
+    return mesh_in(content_of(object.recipe.mesh), object);
+}
+
+uint32_t MeshFiles::mesh_in(const Content& content, const SceneObject& object) {
+    const auto mesh = content.mesh_of.find(object.node);
+    if (mesh != content.mesh_of.end()) return mesh->second;
+    constexpr size_t max_listed = 10;
+    std::string names;
+    for (size_t k = 0; k < std::min(max_listed, content.scene.nodes.size()); ++k)
+        names += (k > 0 ? ", " : "") + fracture::printable(content.scene.nodes[k].name);
+    throw Failure(exit_input, object.recipe.mesh + " has no node " + shown(object.node)
+                                  + " that shows a mesh; its nodes are: " + names
+                                  + (content.scene.nodes.size() > max_listed ? ", ..." : ""));
+}
+
+const MeshFiles::Content& MeshFiles::content_of(const std::string& file) {
+    std::string stamp = stamp_of(file);
+    if (const auto known = nodes_.find(file); known != nodes_.end() && known->second.stamp == stamp)
+        return known->second;
+    Content content{std::move(stamp), must(fracture::import_scene(file)), {}};
+    for (const fracture::SceneNode& node : content.scene.nodes) content.mesh_of[node.name] = node.mesh;
+    return nodes_.insert_or_assign(file, std::move(content)).first->second;
+}
+
+// The meshes of all nodes side by side: points at which pieces touch stay apart. Throws a Failure with exit_mesh that
+// names the first node that is no piece.
+const fracture::TriangleMesh& MeshFiles::pieces_of(const std::string& file) {
+    std::string stamp = stamp_of(file);
+    if (const auto known = pieces_.find(file); known != pieces_.end() && known->second.stamp == stamp)
+        return known->second.mesh;
+    const fracture::MeshScene& scene = scene_of(file);
+    fracture::TriangleMesh joined;
+    for (const fracture::SceneNode& node : scene.nodes) {
+        const fracture::TriangleMesh piece = placed(scene.meshes[node.mesh].mesh, node.world);
+        if (const std::string fault = fault_of(piece); !fault.empty())
+            throw Failure(exit_mesh, "the piece " + shown(node.name) + ": " + fault);
+        const auto base = static_cast<uint32_t>(joined.positions.size());
+        joined.positions.insert(joined.positions.end(), piece.positions.begin(), piece.positions.end());
+        for (const fracture::Triangle& t : piece.triangles) joined.triangles.push_back(t + base);
+    }
+    return pieces_.insert_or_assign(file, Pieces{std::move(stamp), std::move(joined)}).first->second.mesh;
+}
+
+void MeshFiles::keep_only(const std::set<std::string>& files) {
+    const auto is_left_out = [&](const auto& file) { return !files.contains(file.first); };
+    std::erase_if(nodes_, is_left_out);
+    std::erase_if(whole_, is_left_out);
+    std::erase_if(pieces_, is_left_out);
+}
+
+std::string fault_of(const fracture::TriangleMesh& mesh) {
+    const auto report = fracture::check_topology(mesh.positions.size(), mesh.triangles);
+    if (!report.closed()) return fracture::describe(report);
+    if (!(fracture::signed_volume(mesh.positions, mesh.triangles) > 0.0))
+        return "it encloses no volume, or its triangles face inwards";
+    return {};
+}
+
+std::string stamp_of(const std::string& file) {
+    namespace fs = std::filesystem;
+    if (file.empty() || file.starts_with("shape:")) return {};
+    std::error_code error;
+    const fs::file_time_type changed = fs::last_write_time(file, error);
+    if (error) return {};
+    const uintmax_t bytes = fs::file_size(file, error);
+    return error ? std::string() : std::to_string(changed.time_since_epoch().count()) + " " + std::to_string(bytes);
+}
+
+} // namespace brittle::tools
