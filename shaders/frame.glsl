@@ -37,6 +37,14 @@ vec4 albedo_of(DrawData draw) {
     return vec4(material.rgb * mix(vec3(1.0), tint.rgb, material.w), tint.a);
 }
 
+// Whether a draw range is clear glass, which passes of their own draw (glass.glsl). A mesh with materials is not.
+bool is_clear(DrawData draw) {
+    return frame.glass.w != 0.0 && draw.object.w == 0.0
+           && uint(frame.materials[draw.material | material_interior].w) == grain_glass;
+}
+
+const vec4 nowhere = vec4(2.0, 2.0, 2.0, 1.0); // the clip position of the vertices of what is not drawn
+
 // Returns the clip position of a line's vertex, moved towards the eye so that a line on a surface passes the depth
 // test.
 vec4 line_position(vec3 from_eye) {

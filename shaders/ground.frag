@@ -1,6 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "light.glsl"
+#include "sky.glsl"
 
 layout(location = 0) in vec3 from_eye;
 layout(location = 0) out vec4 colour;

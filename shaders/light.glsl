@@ -5,9 +5,7 @@
 #include "frame.glsl"
 
 layout(constant_id = constant_soft_shadows) const bool soft_shadows = false;
-layout(constant_id = constant_ambient_occlusion) const bool ambient_occlusion = false;
 layout(set = 0, binding = binding_shadow) uniform sampler2DShadow shadow_map;
-layout(set = 1, binding = binding_image) uniform sampler2D occlusion_map;
 
 // Returns the share of sunlight that reaches a surface: 0 in shadow, 1 lit. Surfaces outside the shadow map are lit:
 // the map encloses all casters, and its border has the far depth.
@@ -15,30 +13,14 @@ float sun_visibility(vec3 from_eye, vec3 normal) {
     vec3 receiver = from_eye + normal * frame.to_light.w;
     vec3 s = (frame.shadow_from_eye * vec4(receiver, 1.0)).xyz;
     s.z = min(s.z - frame.sun.w, 1.0);
-    if (!soft_shadows) return texture(shadow_map, s);
+    // The shadow of glass has a pattern (glass_shadow.vert), which only the mean of 4x4 texels hides.
+    if (!soft_shadows && frame.glass.w == 0.0) return texture(shadow_map, s);
     float texel = frame.bounce.w;
     float lit = 0.0;
     for (int y = 0; y < 4; ++y)
         for (int x = 0; x < 4; ++x)
             lit += texture(shadow_map, vec3(s.xy + (vec2(x, y) - 1.5) * texel, s.z));
     return lit / 16.0;
-}
-
-// Returns the share of the sky that nearby geometry leaves visible: the mean of the occlusion pass over 4x4 pixels, the
-// period of its sample rotation, weighted by their similarity in distance to this surface.
-float sky_visibility(vec3 from_eye) {
-    if (!ambient_occlusion) return 1.0;
-    ivec2 last = textureSize(occlusion_map, 0) - 1, at = ivec2(gl_FragCoord.xy) - 2;
-    float distance = length(from_eye), sum = 0.0, weights = 0.0;
-    for (int y = 0; y < 4; ++y) {
-        for (int x = 0; x < 4; ++x) {
-            vec2 near = texelFetch(occlusion_map, clamp(at + ivec2(x, y), ivec2(0), last), 0).xy;
-            float weight = max(1.0 - 30.0 * abs(near.y - distance) / distance, 1e-3);
-            sum += weight * near.x;
-            weights += weight;
-        }
-    }
-    return sum / weights;
 }
 
 // Lambertian reflection of a sun and of a two-coloured sky whose share `visible` reaches the surface. `height` is the

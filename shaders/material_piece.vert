@@ -29,5 +29,5 @@ void main() {
     material = material_of(draw);
     uv = material != 0u ? texture_uv : vec2(0.0);
     vertex_colour = material != 0u ? vec4(linear_of(vertex_srgb.rgb), vertex_srgb.a) : vec4(1.0);
-    gl_Position = frame.clip_from_eye * vec4(from_eye, 1.0);
+    gl_Position = is_clear(draw) ? nowhere : frame.clip_from_eye * vec4(from_eye, 1.0);
 }

@@ -13,5 +13,6 @@ void main() {
     opacity = unpackUnorm4x8(draw.tint).a;
     material = material_of(draw);
     uv_and_alpha = material != 0u ? vec3(texture_uv, vertex_srgb.a) : vec3(0.0);
-    gl_Position = frame.shadow_clip_from_world * vec4(transform_vertex(draw, position, vec3(0.0)), 1.0);
+    vec4 at = frame.shadow_clip_from_world * vec4(transform_vertex(draw, position, vec3(0.0)), 1.0);
+    gl_Position = is_clear(draw) ? nowhere : at;
 }

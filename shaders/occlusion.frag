@@ -4,7 +4,7 @@
 // the depth image; each is weighted by the sine of its elevation above the surface's plane and by its proximity. The
 // spiral and the choice of normal are those of McGuire's scalable ambient obscurance (2012).
 //
-// The spiral is rotated from pixel to pixel in a 4x4 pattern, which sky_visibility() in light.glsl averages out.
+// The spiral is rotated from pixel to pixel in a 4x4 pattern, which sky_visibility() in sky.glsl averages out.
 #include "frame.glsl"
 
 layout(set = 1, binding = binding_image) uniform sampler2D depth_map;

@@ -4,6 +4,7 @@
 
 #include "fade.glsl"
 #include "light.glsl"
+#include "sky.glsl"
 
 layout(location = 0) in vec3 from_eye;
 layout(location = 1) flat in vec4 albedo;

@@ -11,5 +11,5 @@ void main() {
     DrawData draw = draws[gl_InstanceIndex];
     from_eye = transform_vertex(draw, position, frame.eye.xyz);
     albedo = albedo_of(draw);
-    gl_Position = frame.clip_from_eye * vec4(from_eye, 1.0);
+    gl_Position = is_clear(draw) ? nowhere : frame.clip_from_eye * vec4(from_eye, 1.0);
 }

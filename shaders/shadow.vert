@@ -6,6 +6,7 @@
 layout(location = 0) in vec3 position;
 
 void main() {
-    vec3 world = transform_vertex(draws[gl_InstanceIndex], position, vec3(0.0));
-    gl_Position = frame.shadow_clip_from_world * vec4(world, 1.0);
+    DrawData draw = draws[gl_InstanceIndex];
+    vec3 world = transform_vertex(draw, position, vec3(0.0));
+    gl_Position = is_clear(draw) ? nowhere : frame.shadow_clip_from_world * vec4(world, 1.0);
 }

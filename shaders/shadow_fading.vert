@@ -9,5 +9,6 @@ layout(location = 1) flat out vec4 albedo;
 void main() {
     DrawData draw = draws[gl_InstanceIndex];
     albedo = albedo_of(draw);
-    gl_Position = frame.shadow_clip_from_world * vec4(transform_vertex(draw, position, vec3(0.0)), 1.0);
+    vec4 at = frame.shadow_clip_from_world * vec4(transform_vertex(draw, position, vec3(0.0)), 1.0);
+    gl_Position = is_clear(draw) ? nowhere : at;
 }

@@ -31,8 +31,8 @@ const uint binding_visible_counts = 7; // uint, view_count: pieces in view
 const uint binding_mesh_materials = 0; // MeshMaterial
 const uint binding_base_colours = 1;   // layers of base colour textures
 const uint binding_normal_maps = 2;    // layers of normal maps
-// Descriptor set 1: an image from an earlier pass.
-const uint binding_image = 0; // in the occlusion pass, the depth image; in the shade pass, the result of occlusion
+// Descriptor sets 1 and 3: an image from an earlier pass each.
+const uint binding_image = 0; // in the occlusion and glass passes, depth; in the shade pass, the result of occlusion
 
 // Specialization constants.
 const uint constant_soft_shadows = 0;      // bool: 16 shadow taps instead of 1
@@ -88,6 +88,7 @@ struct FrameData {
     vec4 cuts; // 1 + layer of the texture of fracture surfaces, or 0; 1 for smooth shading, of pieces with materials
     vec4 occlusion; // search radius, metres; pixels per metre at a distance of one metre; sine of the elevation
                     // from which a sample occludes; strength
+    vec4 glass;     // the share of light that passes a depth of glass (glass_composite.frag); w: 1 if glass is clear
 };
 
 struct Pose {
@@ -127,7 +128,7 @@ struct DrawCommand { // VkDrawIndexedIndirectCommand
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(FrameData) == 4 * 64 + (12 + material_count) * 16);
+static_assert(sizeof(FrameData) == 4 * 64 + (13 + material_count) * 16);
 static_assert(sizeof(Pose) == 32);
 static_assert(sizeof(DrawData) == 64);
 static_assert(sizeof(MeshMaterial) == 96);

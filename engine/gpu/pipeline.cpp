@@ -72,11 +72,18 @@ Pipeline::Pipeline(const Device& device, const PipelineDesc& desc) : device_(dev
                                                       .depthTestEnable = desc.depth,
                                                       .depthWriteEnable = desc.depth && desc.depth_write,
                                                       .depthCompareOp = desc.depth_test};
-    const VkPipelineColorBlendAttachmentState opaque{.colorWriteMask = 0xf};
+    const VkPipelineColorBlendAttachmentState mixing{.blendEnable = desc.adds,
+                                                     .srcColorBlendFactor = VK_BLEND_FACTOR_ONE,
+                                                     .dstColorBlendFactor = VK_BLEND_FACTOR_ONE,
+                                                     .colorBlendOp = VK_BLEND_OP_ADD,
+                                                     .srcAlphaBlendFactor = VK_BLEND_FACTOR_ONE,
+                                                     .dstAlphaBlendFactor = VK_BLEND_FACTOR_ONE,
+                                                     .alphaBlendOp = VK_BLEND_OP_ADD,
+                                                     .colorWriteMask = 0xf};
     const bool has_colour = desc.colour != VK_FORMAT_UNDEFINED;
     const VkPipelineColorBlendStateCreateInfo blend{.sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO,
                                                     .attachmentCount = has_colour ? 1u : 0u,
-                                                    .pAttachments = &opaque};
+                                                    .pAttachments = &mixing};
     const VkDynamicState dynamic_states[] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR};
     const VkPipelineDynamicStateCreateInfo dynamic{.sType = VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO,
                                                    .dynamicStateCount = 2,

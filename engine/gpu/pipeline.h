@@ -3,7 +3,7 @@
 //     Pipeline pipeline(device, {.name = "lines", .layout = layout, .vertex = line_vert, .fragment = line_frag,
 //                                .colour = VK_FORMAT_R8G8B8A8_UNORM, ...});
 //
-// The common state of all graphics pipelines is fixed: no blending, counter-clockwise front faces, depth in D32,
+// The common state of all graphics pipelines is fixed: counter-clockwise front faces, depth in D32,
 // dynamic viewport and scissor.
 #pragma once
 
@@ -31,8 +31,9 @@ struct PipelineDesc {
     bool depth = true; // whether there is a depth attachment
     bool depth_write = true;
     VkCompareOp depth_test = VK_COMPARE_OP_LESS_OR_EQUAL;
-    VkFormat colour = VK_FORMAT_UNDEFINED;           // undefined: no colour attachment
-    uint32_t samples = 1;                            // samples a pixel, in every attachment
+    VkFormat colour = VK_FORMAT_UNDEFINED; // undefined: no colour attachment
+    bool adds = false;                     // adds colours to those of the attachment, instead of replacing them
+    uint32_t samples = 1;                  // samples a pixel, in every attachment
     const VkSpecializationInfo* constants = nullptr; // for the fragment shader
 };
 

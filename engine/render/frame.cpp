@@ -82,7 +82,8 @@ void FrameLayout::create(uint32_t frame_sets, uint32_t image_sets) {
                                                           .pBindings = of_materials};
     check(vkCreateDescriptorSetLayout(device_.handle(), &material_layout, nullptr, &material_set_layout_),
           "create a descriptor set layout");
-    const VkDescriptorSetLayout set_layouts[] = {frame_set_layout_, image_set_layout_, material_set_layout_};
+    const VkDescriptorSetLayout set_layouts[] = {frame_set_layout_, image_set_layout_, material_set_layout_,
+                                                 image_set_layout_};
     const VkPipelineLayoutCreateInfo layout{.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
                                             .setLayoutCount = static_cast<uint32_t>(std::size(set_layouts)),
                                             .pSetLayouts = set_layouts};
@@ -242,6 +243,14 @@ VkRect2D pixel_rect(const Region& region, VkExtent2D size, int32_t margin) {
     return {{low.x, low.y}, {static_cast<uint32_t>(high.x - low.x), static_cast<uint32_t>(high.y - low.y)}};
 }
 
+std::optional<uint32_t> glass_surface(const Scene& scene, const Materials* materials) {
+    if (!materials || materials->cut_layer() != 0) return std::nullopt;
+    if (scene.look.grain == Grain::glass) return 0;
+    for (uint32_t surface = 1; surface <= scene.surfaces.size(); ++surface)
+        if (scene.surfaces[surface - 1].grain == Grain::glass) return surface;
+    return std::nullopt;
+}
+
 shared::FrameData frame_data(const Scene& scene, const View& view, const Materials* materials) {
     const CameraMatrices camera = matrices(scene.camera, view.aspect, scene.bounds);
     const glm::vec3 eye(glm::inverse(camera.view)[3]);
@@ -290,7 +299,10 @@ shared::FrameData frame_data(const Scene& scene, const View& view, const Materia
         .background_top = {look.background_top, look.exposure},
         .background_bottom = {look.background_bottom, 0.0f},
         .cuts = {materials ? static_cast<float>(materials->cut_layer()) : 0.0f, scene.smooth ? 1.0f : 0.0f, 0.0f, 0.0f},
-        .occlusion = {occlusion_reach * height, pixels_a_metre, occlusion_bias, occlusion_strength}};
+        .occlusion = {occlusion_reach * height, pixels_a_metre, occlusion_bias, occlusion_strength},
+        .glass = {}};
+    if (const std::optional<uint32_t> glass = glass_surface(scene, materials))
+        data.glass = {*glass == 0 ? look.exterior : scene.surfaces[*glass - 1].exterior, 1.0f};
     for (uint32_t surface = 0; surface < shared::max_surfaces; ++surface) {
         const bool own = surface > 0 && surface <= scene.surfaces.size();
         const SurfaceLook from =
@@ -318,9 +330,9 @@ Rendering Frame::colour_rendering(const PassContext& context, VkAttachmentLoadOp
             .scissor = scissor};
 }
 
-void Frame::bind_image(const PassContext& context, VkDescriptorSet to, Image image) const {
+void Frame::bind_image(const PassContext& context, VkDescriptorSet to, Image image, uint32_t as) const {
     layout.update(to, context.view(image));
-    vkCmdBindDescriptorSets(context.commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout.pipeline_layout(), 1, 1, &to, 0,
+    vkCmdBindDescriptorSets(context.commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout.pipeline_layout(), as, 1, &to, 0,
                             nullptr);
 }
 

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include <glm/vec2.hpp>
@@ -23,7 +24,7 @@ namespace brittle::engine {
 class Materials;
 
 // The descriptor layout of all graphics and culling shaders, with their samplers. Set 0 serves the whole frame; set 1
-// holds one image that a pass reads; set 2 holds the materials of meshes (materials.h).
+// and set 3 hold an image each that a pass reads; set 2 holds the materials of meshes (materials.h).
 class FrameLayout {
   public:
     FrameLayout(const Device& device, uint32_t frame_sets, uint32_t image_sets); // throws VulkanFailure
@@ -67,6 +68,10 @@ class FrameLayout {
     VkDescriptorPool pool_ = VK_NULL_HANDLE;
 };
 
+// Returns the first surface of clear glass; 0 is the look of the scene. There is none without materials, nor where cuts
+// have a texture.
+[[nodiscard]] std::optional<uint32_t> glass_surface(const Scene& scene, const Materials* materials);
+
 struct Frame {
     FrameGraph graph;
     External external;
@@ -74,9 +79,10 @@ struct Frame {
     const PieceArena& pieces;
     uint32_t max_draws; // the device's limit of draws in one multi-draw
     const FrameLayout& layout;
-    VkDescriptorSet set;                      // set 0, bound for the whole frame
-    VkDescriptorSet depth_set, occlusion_set; // for set 1; a pass writes and binds one with bind_image()
-    const Materials* materials = nullptr;     // in the view of materials; else null
+    VkDescriptorSet set; // set 0, bound for the whole frame
+    // For sets 1 and 3; a pass writes and binds one with bind_image().
+    VkDescriptorSet depth_set, occlusion_set, depth_behind_set, behind_glass_set, glass_set;
+    const Materials* materials = nullptr; // in the view of materials; else null
     FrameStats stats;
     VkRect2D scissor{}; // the drawn pixels: Scene::region and, if the picture is upscaled, a margin
 
@@ -92,7 +98,7 @@ struct Frame {
     // `samples` is invalid and passes draw into `colour`.
     Image colour, depth, samples;
     Image occlusion; // valid with Quality::ambient_occlusion
-    Image picture;   // the picture to show: `colour`, or the image into which `colour` is upscaled
+    Image picture;   // the picture to show: `colour`, or the image into which glass is drawn or `colour` is upscaled
 
     PieceUpload upload;         // the geometry to copy before anything is drawn
     Buffer staging;             // the source of the copies; valid if upload.staging_size is not 0
@@ -102,10 +108,12 @@ struct Frame {
     void write_colour(PassBuilder& pass, Access access, bool last);
     [[nodiscard]] Rendering colour_rendering(const PassContext& context, VkAttachmentLoadOp load, bool last) const;
 
-    // Writes the image into a descriptor set and binds it as set 1, in a pass that reads the image.
-    void bind_image(const PassContext& context, VkDescriptorSet to, Image image) const;
+    // Writes the image into a descriptor set and binds it as set 1 or 3, in a pass that reads the image.
+    void bind_image(const PassContext& context, VkDescriptorSet to, Image image, uint32_t as = 1) const;
 
     [[nodiscard]] bool draws_marks() const { return lines.valid() || spheres.valid(); }
+    // Whether pieces may be clear glass, which the glass pass draws.
+    [[nodiscard]] bool draws_glass() const { return draws_pieces() && glass_surface(scene, materials).has_value(); }
     [[nodiscard]] bool draws_pieces() const { return scene.pieces_visible && pieces.draws() != 0; }
 };
 

@@ -117,7 +117,8 @@ void import_pieces(Frame& frame, FrameSlot& slot, const Device& device) {
 
 FrameSlot::FrameSlot(const Device& device, const FrameLayout& layout)
     : executor(device), set(layout.allocate_frame()), depth_set(layout.allocate_image()),
-      occlusion_set(layout.allocate_image()),
+      occlusion_set(layout.allocate_image()), depth_behind_set(layout.allocate_image()),
+      behind_glass_set(layout.allocate_image()), glass_set(layout.allocate_image()),
       uniforms(device, "frame data", sizeof(shared::FrameData), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, MemoryKind::upload),
       visible_counts(device, "pieces in view", shared::view_count * sizeof(uint32_t),
                      VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, MemoryKind::readback),

@@ -18,7 +18,7 @@ struct FrameSlot {
     FrameSlot(const Device& device, const FrameLayout& layout);
 
     GraphExecutor executor;
-    VkDescriptorSet set, depth_set, occlusion_set;
+    VkDescriptorSet set, depth_set, occlusion_set, depth_behind_set, behind_glass_set, glass_set;
     DeviceBuffer uniforms;
     DeviceBuffer visible_counts; // zeroed by the CPU, counted up by the cull pass
     bool culled = false;         // whether the newest frame has a cull pass, and `visible_counts` its result

@@ -27,7 +27,7 @@ Passes& Renderer::State::passes_for(Format format) {
     return passes
         .emplace(format, Passes{ShadowPass(device, pipeline_layout, sphere), std::move(occlusion),
                                 ShadePass(device, pipeline_layout, target, quality()),
-                                MarksPass(device, pipeline_layout, target, sphere)})
+                                MarksPass(device, pipeline_layout, target, sphere), std::nullopt})
         .first->second;
 }
 
@@ -80,6 +80,9 @@ Frame Renderer::State::begin_frame(FrameSlot& slot, const Scene& scene, const Ta
                 .set = slot.set,
                 .depth_set = slot.depth_set,
                 .occlusion_set = slot.occlusion_set,
+                .depth_behind_set = slot.depth_behind_set,
+                .behind_glass_set = slot.behind_glass_set,
+                .glass_set = slot.glass_set,
                 .materials = drawn_with};
     if (frame.draws_pieces())
         frame.stats = {.pieces = pieces.pieces(),
@@ -87,7 +90,9 @@ Frame Renderer::State::begin_frame(FrameSlot& slot, const Scene& scene, const Ta
                        .draws = pieces.draws(),
                        .triangles = pieces.triangles()};
     frame.stats.scale = target.scale;
-    frame.scissor = pixel_rect(scene.region, render_extent, target.scale < 1.0f ? upscale_margin : 0);
+    frame.scissor = pixel_rect(scene.region, render_extent,
+                               (target.scale < 1.0f ? upscale_margin : 0)
+                                   + (frame.draws_glass() ? glass_margin(render_extent.height) : 0));
     import_slot(frame, slot, device);
     return frame;
 }
@@ -131,16 +136,26 @@ void Renderer::State::declare_scene(Frame& frame, FrameSlot& slot, const Target&
     if (desc.samples > 1) frame.samples = frame.graph.create_image("colour samples", desc);
 
     Passes& p = passes_for(target.format);
+    const Image result = frame.colour;
+    if (frame.draws_glass()) {
+        if (!p.glass)
+            p.glass.emplace(device, layout.pipeline_layout(),
+                            TargetFormat{to_vulkan(target.format), *quality().samples}, quality());
+        frame.colour = frame.graph.create_image(
+            "picture behind glass",
+            {.width = render_extent.width, .height = render_extent.height, .format = target.format});
+    }
     const bool shadow = frame.scene.moved || !map.valid;
     declare_cull(frame, slot, shadow);
     if (shadow) p.shadow.declare(frame);
     if (p.occlusion) p.occlusion->declare(frame, render_extent);
     p.shade.declare(frame);
     p.marks.declare(frame);
+    const Image drawn = frame.draws_glass() ? p.glass->declare(frame, result, render_extent) : frame.colour;
     if (target.scale < 1.0f)
-        declare_upscale(frame);
+        declare_upscale(frame, drawn);
     else
-        frame.picture = frame.colour;
+        frame.picture = drawn;
 }
 
 void Renderer::State::record(Frame& frame, FrameSlot& slot) {

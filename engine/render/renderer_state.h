@@ -15,6 +15,7 @@
 #include "engine/gpu/swapchain.h"
 #include "engine/render/cull_pass.h"
 #include "engine/render/frame_slot.h"
+#include "engine/render/glass_pass.h"
 #include "engine/render/id_pass.h"
 #include "engine/render/marks_pass.h"
 #include "engine/render/materials.h"
@@ -36,6 +37,7 @@ struct Passes {
     std::optional<OcclusionPass> occlusion; // with Quality::ambient_occlusion
     ShadePass shade;
     MarksPass marks;
+    std::optional<GlassPass> glass; // made by the first frame with glass
 };
 
 // The depth seen from the sun. A window has a smaller second map for frames that are drawn with fewer pixels, because
@@ -67,7 +69,7 @@ struct Target {
 
 struct Renderer::State {
     State(Device& device_, const RendererSettings& settings_)
-        : device(device_), settings(settings_), layout(device_, frames_in_flight, 2 * frames_in_flight),
+        : device(device_), settings(settings_), layout(device_, frames_in_flight, 5 * frames_in_flight),
           sphere(device_), shadow_map(device_, *quality().shadow_size), pieces(device_), staging(device_) {
         if (*quality().culling) cull.emplace(device_, layout.pipeline_layout());
         for (auto& slot : slots) slot = std::make_unique<FrameSlot>(device_, layout);

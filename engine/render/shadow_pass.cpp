@@ -1,6 +1,7 @@
 #include "engine/render/shadow_pass.h"
 
 #include "compiled/fade_frag.h"
+#include "compiled/glass_shadow_vert.h"
 #include "compiled/material_cut_out_frag.h"
 #include "compiled/material_shadow_vert.h"
 #include "compiled/shadow_fading_vert.h"
@@ -30,6 +31,13 @@ ShadowPass::ShadowPass(const Device& device, VkPipelineLayout layout, const Sphe
                                 .bindings = {&binding, 1},
                                 .attributes = {&attribute, 1},
                                 .constants = &fading.info});
+    glass_ = Pipeline(device, {.name = "shadow of glass",
+                               .layout = layout,
+                               .vertex = glass_shadow_vert,
+                               .fragment = fade_frag,
+                               .bindings = {&binding, 1},
+                               .attributes = {&attribute, 1},
+                               .constants = &fading.info});
     spheres_ = Pipeline(device, {.name = "shadow of spheres",
                                  .layout = layout,
                                  .vertex = shadow_sphere_vert,
@@ -80,6 +88,7 @@ void ShadowPass::declare(Frame& frame) {
                 draw_pieces(frame, context, frame.light_commands,
                             cut_out ? PiecePipelines{materials_.cut_out, &materials_.fading}
                                     : PiecePipelines{pipeline_, &fading_});
+            if (frame.draws_glass()) draw_pieces(frame, context, frame.light_commands, {glass_, &glass_});
             if (spheres) sphere_.draw(context, spheres_, sphere, frame);
             vkCmdEndRendering(context.commands);
         });

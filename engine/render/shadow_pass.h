@@ -23,6 +23,7 @@ class ShadowPass {
     Pipeline pipeline_;
     Pipeline fading_;
     MaterialPipelines materials_; // of materials that are cut out; `solid` is null
+    Pipeline glass_;
     Pipeline spheres_;
     const SphereMesh& sphere_;
 };

@@ -22,8 +22,8 @@ int32_t whole_ratio(VkExtent2D small, VkExtent2D large) {
 
 } // namespace
 
-void declare_upscale(Frame& frame) {
-    const Image small = frame.colour, target = frame.picture;
+void declare_upscale(Frame& frame, Image small) {
+    const Image target = frame.picture;
     frame.graph.add_pass(
         "upscale", PassKind::transfer,
         [&](PassBuilder& pass) {

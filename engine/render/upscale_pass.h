@@ -10,7 +10,7 @@ namespace brittle::engine {
 // The pixels around Scene::region that must be drawn for the upscaling: one that the filter reads, and one to spare.
 inline constexpr int32_t upscale_margin = 2;
 
-// Declares the pass from frame.colour, which must be complete, to frame.picture; it covers at least Scene::region.
-void declare_upscale(Frame& frame);
+// Declares the pass from the small picture, which must be complete, to frame.picture; it covers at least Scene::region.
+void declare_upscale(Frame& frame, Image small);
 
 } // namespace brittle::engine

@@ -338,6 +338,16 @@ TEST_CASE("looks: a crate with textures and a cut-out, whole and broken, in both
     CHECK(render(folder, "--recipe " + recipe).pixels == render(folder, plain + broken).pixels);
 }
 
+TEST_CASE("looks: a broken vase of glass is clear, and the other view is as before") {
+    if (is_skipped()) return;
+    const Folder folder;
+    const std::string vase = "shape:vase --material glass -n 20 --frames 0 --explode 0.1 --smooth";
+    const engine::Bitmap picture = render(folder, vase + " --colors materials");
+    const GoldenCheck golden = check_golden(picture, "glass_vase", {}, engine::test::golden_folder() + "/looks");
+    CHECK_MESSAGE(golden.passed, golden.message);
+    CHECK(render(folder, vase).pixels == render(folder, vase + " --colors pieces").pixels);
+}
+
 TEST_CASE("looks: an image for fracture surfaces") {
     if (is_skipped()) return;
     const Folder folder;
