@@ -212,6 +212,14 @@ Material interior_material(const ExportOptions& options) {
                  .roughness = 0.95});
 }
 
+std::string image_ending(const Image& image) {
+    return image.mime_type == "image/png" ? ".png" : (image.mime_type == "image/jpeg" ? ".jpg" : ".bin");
+}
+
+std::string image_suffix(uint32_t index, const Image& image) {
+    return "_image" + std::to_string(index) + image_ending(image);
+}
+
 const std::vector<std::string>& exportable_extensions() {
     static const std::vector<std::string> extensions{".glb", ".obj", ".ply", ".stl"};
     return extensions;

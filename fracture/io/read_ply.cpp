@@ -272,8 +272,8 @@ class PlyReader {
                     if (is_vertex && property.name == "point" && property.type == Type::uint32)
                         model_.points.push_back(static_cast<uint32_t>(value));
                     if (is_vertex && companions_.wants_attributes()) attributes.set(property, value);
-                    if (property.name == "texnumber" && value >= 0.0 && value < 1e6)
-                        texture_ = static_cast<uint32_t>(value);
+                    if (property.name == "texnumber") // -1: without texture
+                        texture_ = value >= 0.0 && value < 1e6 ? static_cast<uint32_t>(value) : no_material;
                 } else if (Result<void> done = read_list(element, property, numbers, [&] { return place_of(k); });
                            !done) {
                     return done;

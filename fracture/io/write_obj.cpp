@@ -9,10 +9,6 @@
 namespace brittle::fracture {
 namespace {
 
-std::string ending_of(const Image& image) {
-    return image.mime_type == "image/png" ? ".png" : (image.mime_type == "image/jpeg" ? ".jpg" : ".bin");
-}
-
 // Most readers end an OBJ name at a blank.
 std::string word(std::string name, const std::string& otherwise) {
     for (char& c : name)
@@ -132,7 +128,9 @@ class ObjWriter {
             append(mtl, material.base_colour.w);
             mtl += '\n';
             if (m == interior_ && job_.options.interior_image)
-                mtl += "map_Kd " + file_of(*job_.options.interior_image, "_interior") + "\n";
+                mtl += "map_Kd "
+                       + file_of(*job_.options.interior_image, "_interior" + image_ending(*job_.options.interior_image))
+                       + "\n";
             write_map(mtl, "map_Kd", material.base_colour_texture);
             write_map(mtl, "map_Ke", material.emissive_texture);
             write_map(mtl, "norm", material.normal_texture);
@@ -145,14 +143,13 @@ class ObjWriter {
         const auto image = source_->textures[use->texture].image;
         if (!image || source_->images[*image].mime_type.empty()) return;
         mtl += keyword;
-        mtl += " " + file_of(source_->images[*image], "_image" + std::to_string(*image)) + "\n";
+        mtl += " " + file_of(source_->images[*image], image_suffix(*image, source_->images[*image])) + "\n";
     }
 
     // Returns the name of an image file beside the mesh, which is written once.
     std::string file_of(const Image& image, const std::string& suffix) {
-        const std::string whole = suffix + ending_of(image);
-        if (image_files_.insert(whole).second) files_.push_back({whole, image.bytes});
-        return job_.stem + whole;
+        if (image_files_.insert(suffix).second) files_.push_back({suffix, image.bytes});
+        return job_.stem + suffix;
     }
 
     const ExportJob& job_;

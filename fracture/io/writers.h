@@ -52,6 +52,10 @@ struct ExportJob {
 // The material for parts of the exterior without a source material.
 [[nodiscard]] Material exterior_material(const ExportOptions& options);
 
+// The ending of a file for an image, and the suffix of the file for image `index` of the source.
+[[nodiscard]] std::string image_ending(const Image& image);
+[[nodiscard]] std::string image_suffix(uint32_t index, const Image& image);
+
 // All return the files to write, in order; the file that refers to the others is the last one.
 [[nodiscard]] Result<std::vector<OutputFile>> write_glb(const ExportJob& job);
 [[nodiscard]] Result<std::vector<OutputFile>> write_obj(const ExportJob& job);

@@ -275,6 +275,57 @@ TEST_CASE("model: PLY keeps colours, STL the triangles, both are closed and have
     CHECK(worst < 0.012); // eight bits of sRGB are coarsest near white
 }
 
+TEST_CASE("model: PLY keeps texture coordinates at the corners of faces, and images beside the file") {
+    const test::Folder folder;
+    const Model crate = imported(meshes / "crate.obj");
+    const Cut pieces = cut(crate, 20);
+    const fs::path file = written(folder.path / "pieces.ply", pieces, {.source = &crate});
+    const std::string text = test::read_text(file);
+    CHECK(text.find("\ncomment TextureFile pieces_image0.png\n") != std::string::npos);
+    CHECK(test::read_text(folder.path / "pieces_image0.png") == test::read_text(meshes / "crate planks.png"));
+    size_t vertices = 0, textured = 0;
+    for (const Piece& piece : pieces.fragments.pieces) {
+        vertices += piece.vertices.size();
+        for (uint32_t t = 0; t < piece.exterior_triangles; ++t) {
+            const uint32_t source = pieces.fragments.triangle_source[piece.triangles.begin + t];
+            textured += crate.materials[crate.material_of[source]].base_colour_texture ? 1 : 0;
+        }
+    }
+    // Seams of the texture do not divide vertices.
+    CHECK(text.find("\nelement vertex " + std::to_string(vertices) + "\n") != std::string::npos);
+    const Model back = imported(file);
+    CHECK(back.notes.empty());
+    REQUIRE(back.materials.size() == 1); // both textured materials share an image
+    REQUIRE(back.images.size() == 1);
+    CHECK(back.images[0].bytes == crate.images[0].bytes);
+    CHECK(textured > 0);
+    CHECK(std::count(back.material_of.begin(), back.material_of.end(), 0u) == static_cast<std::ptrdiff_t>(textured));
+    CHECK(check_topology(back.mesh.positions.size(), back.mesh.triangles).components == pieces.fragments.pieces.size());
+
+    const Model coloured = imported(meshes / "crate.glb"); // an image for each material, and colours
+    const Cut others = cut(coloured, 20);
+    const Model both = imported(written(folder.path / "both.ply", others, {.source = &coloured}));
+    REQUIRE(both.materials.size() == 2);
+    CHECK(both.materials[1].name == "both_image1.png");
+    constexpr double eight_bits = 0.012; // of sRGB are coarsest near white
+    CHECK(check_paint(both, 0, planks, eight_bits) > 100);
+    CHECK(check_paint(both, 1, lid, eight_bits) > 30);
+    Model uncoloured = coloured;
+    uncoloured.colours.clear();
+    Paint (*const lid_uv)(const glm::dvec3&) = [](const glm::dvec3& p) { return Paint{lid(p).uv}; };
+    const Model plain = imported(written(folder.path / "plain.ply", others, {.source = &uncoloured}));
+    CHECK(check_paint(plain, 0, planks) > 100);
+    CHECK(check_paint(plain, 1, lid_uv) > 30);
+
+    Model broken = crate; // an image that could not be read leaves the coordinates alone
+    broken.images[0].mime_type.clear();
+    broken.images[0].bytes.clear();
+    const std::string without = test::read_text(written(folder.path / "without.ply", pieces, {.source = &broken}));
+    CHECK(without.find("property list uchar float texcoord\n") != std::string::npos);
+    CHECK(without.find("TextureFile") == std::string::npos);
+    CHECK(without.find("texnumber") == std::string::npos);
+}
+
 TEST_CASE("model: one file per piece") {
     const test::Folder folder;
     const Model crate = imported(meshes / "crate.obj");
