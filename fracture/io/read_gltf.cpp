@@ -11,6 +11,7 @@
 #include <glm/mat4x4.hpp>
 
 #include "fracture/io/gltf_document.h"
+#include "fracture/io/gltf_left_out.h"
 #include "fracture/io/gltf_materials.h"
 #include "fracture/io/readers.h"
 #include "fracture/io/text_cursor.h"
@@ -51,7 +52,10 @@ class GltfReader {
 
     Result<Model> read() {
         if (Result<void> done = check_extensions(); !done) return done.error();
-        if (wants_attributes_) read_materials(document_, model_);
+        if (wants_attributes_) {
+            read_materials(document_, model_);
+            if (std::string note = left_out(document_.json()); !note.empty()) add_note(model_.notes, std::move(note));
+        }
         const auto add = [&](const Json&, uint64_t, std::optional<uint64_t> mesh, const glm::dmat4& world) {
             return read_mesh(mesh, world);
         };
@@ -130,6 +134,7 @@ class GltfReader {
                                   || name.starts_with("KHR_texture_") || name.starts_with("EXT_texture_")
                                   || name.starts_with("KHR_lights_");
             if (harmless) continue;
+            if (const std::string refusal = compression_refusal(name); !refusal.empty()) return malformed(refusal);
             return malformed("needs the glTF extension " + printable(name)
                              + ", which is not read; export without compression and extensions");
         }
@@ -245,6 +250,11 @@ class GltfReader {
         return {};
     }
 
+    static bool is_draco(const Json& primitive) {
+        const Json* extensions = member(primitive, "extensions");
+        return extensions != nullptr && member(*extensions, "KHR_draco_mesh_compression") != nullptr;
+    }
+
     Result<void> read_primitive(const Json& primitive, const glm::dmat4& world) {
         const std::optional<uint64_t> mode = unsigned_member(primitive, "mode", 4);
         if (!mode || *mode > 6) return malformed("its mode is not one of 0 to 6");
@@ -254,6 +264,8 @@ class GltfReader {
         const Result<Accessor> positions =
             document_.accessor(unsigned_member(*attributes, "POSITION", std::nullopt), "VEC3");
         if (!positions) return positions.error();
+        if (positions->data.empty() && is_draco(primitive))
+            return malformed(compression_refusal("KHR_draco_mesh_compression")); // not required, yet without a fallback
         std::vector<uint32_t> corners;
         if (member(primitive, "indices") != nullptr) {
             const Result<Accessor> indices =
@@ -321,9 +333,10 @@ class GltfReader {
         };
         vertices.normals = find("NORMAL", {"VEC3"});
         vertices.uv = {find("TEXCOORD_0", {"VEC2"}), find("TEXCOORD_1", {"VEC2"})};
-        vertices.colours = find("COLOR_0", {"VEC4"});
-        vertices.has_opacity = vertices.colours.has_value();
-        if (!vertices.colours && member(attributes, "COLOR_0") != nullptr) vertices.colours = find("COLOR_0", {"VEC3"});
+        vertices.colours = find("COLOR_0", {"VEC4", "VEC3"});
+        if (!vertices.colours) return;
+        const auto colours = document_.element("accessors", unsigned_member(attributes, "COLOR_0", std::nullopt));
+        vertices.has_opacity = text_member(**colours, "type") == "VEC4";
     }
 
     Result<void> append(const Vertices& vertices, const std::vector<uint32_t>& corners, uint64_t mode,
