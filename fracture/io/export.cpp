@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "fracture/io/atomic_file.h"
+#include "fracture/io/tangents.h"
 #include "fracture/io/writers.h"
 
 namespace brittle::fracture {
@@ -98,8 +99,10 @@ Result<Files> make_all(const std::filesystem::path& file, const Fragments& fragm
     Files made;
     const std::optional<TriangleTree> outside = outside_of(options);
     const TriangleTree* const tree = outside ? &*outside : nullptr;
+    const std::vector<glm::vec4> tangents =
+        writer == &write_glb && options.source ? corner_tangents(*options.source) : std::vector<glm::vec4>();
     if (!options.per_piece) {
-        const ExportJob job{fragments, certificate, options, pieces, file.stem().string(), tree};
+        const ExportJob job{fragments, certificate, options, pieces, file.stem().string(), tree, tangents};
         if (Result<void> done = make_files(file, writer, job, sink); !done) return done.error();
         made.push_back(file);
     }
@@ -109,7 +112,7 @@ Result<Files> make_all(const std::filesystem::path& file, const Fragments& fragm
         const std::filesystem::path one =
             file.parent_path() / (file.stem().string() + number + file.extension().string());
         const ExportJob job{fragments,           certificate, options, std::span(pieces).subspan(k, 1),
-                            one.stem().string(), tree};
+                            one.stem().string(), tree,        tangents};
         if (Result<void> done = make_files(one, writer, job, sink); !done) return done.error();
         made.push_back(one);
     }
@@ -185,7 +188,8 @@ std::string piece_name(const ExportOptions& options, uint32_t piece) {
 }
 
 SurfaceSettings surface_settings(const ExportJob& job) {
-    return {job.options.source, job.options.sites, job.options.uv_by_plane, job.options.rough, job.outside};
+    return {job.options.source, job.options.sites, job.options.uv_by_plane,
+            job.options.rough,  job.outside,       job.tangents};
 }
 
 glm::dvec3 placed(const ExportJob& job, uint32_t piece, const glm::dvec3& point) {

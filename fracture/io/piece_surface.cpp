@@ -8,6 +8,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
+#include "fracture/io/tangents.h"
 #include "fracture/pieces/attributes.h"
 
 namespace brittle::fracture {
@@ -121,13 +122,14 @@ class RoughSurface {
 struct Corner {
     uint32_t vertex = 0;
     glm::vec3 normal{0.0f};
+    glm::vec4 tangent{0.0f};
     std::array<glm::vec2, 2> uv{};
     glm::vec4 colour{1.0f};
 
     // Compares bytes. +0 and -0 differ, which costs an extra vertex at most.
     bool operator==(const Corner& other) const { return std::memcmp(this, &other, sizeof(Corner)) == 0; }
 };
-static_assert(sizeof(Corner) == 4 + 12 + 16 + 16, "no padding, because it is compared by bytes");
+static_assert(sizeof(Corner) == 4 + 12 + 16 + 16 + 16, "no padding, because it is compared by bytes");
 
 struct HashCorner {
     size_t operator()(const Corner& corner) const {
@@ -147,7 +149,8 @@ class PartBuilder {
     PartBuilder(const Fragments& fragments, const Piece& piece, const SurfaceSettings& settings)
         : fragments_(fragments), piece_(piece), source_(settings.source), sites_(settings.sites),
           uv_by_plane_(settings.uv_by_plane && settings.sites.empty()), rough_(settings.rough),
-          outside_(settings.rough && (uv_by_plane_ || !sites_.empty()) ? settings.outside : nullptr) {}
+          outside_(settings.rough && (uv_by_plane_ || !sites_.empty()) ? settings.outside : nullptr),
+          tangents_(settings.tangents) {}
 
     std::vector<DrawnPart> build() {
         add_exterior();
@@ -179,6 +182,7 @@ class PartBuilder {
 
     void begin_part(uint32_t material, bool interior) {
         parts_.push_back({.material = material, .interior = interior});
+        has_tangents_ = !interior && !tangents_.empty() && uses_tangents(*source_, material);
         known_.clear();
     }
 
@@ -194,6 +198,9 @@ class PartBuilder {
                 const auto corners = parts_.back().interior ? interior_corners(t, normal) : exterior_corners(t, source);
                 for (Corner corner : corners) {
                     if (corner.normal == glm::vec3(0.0f)) corner.normal = normal;
+                    if (has_tangents_)
+                        corner.tangent = glm::vec4(perpendicular(corner.normal, glm::vec3(corner.tangent)),
+                                                   tangents_[3 * size_t{source}].w);
                     add(corner);
                 }
             }
@@ -266,11 +273,13 @@ class PartBuilder {
         const auto weights = barycentrics(source_->mesh, fragments_, piece_, piece_.triangles.begin + t);
         const auto mix = [&](const auto& list, size_t k) {
             const glm::vec3 w(weights[k]);
-            return w.x * list[3 * source] + w.y * list[3 * source + 1] + w.z * list[3 * source + 2];
+            const size_t first = 3 * size_t{source};
+            return w.x * list[first] + w.y * list[first + 1] + w.z * list[first + 2];
         };
         for (size_t k = 0; k < 3; ++k) {
             for (size_t set = 0; set < 2; ++set)
                 if (!source_->uv[set].empty()) corners[k].uv[set] = mix(source_->uv[set], k);
+            if (has_tangents_) corners[k].tangent = mix(tangents_, k);
             if (!source_->colours.empty()) corners[k].colour = glm::clamp(mix(source_->colours, k), 0.0f, 1.0f);
             if (source_->normals.empty()) continue;
             const glm::vec3 normal = mix(source_->normals, k);
@@ -292,6 +301,7 @@ class PartBuilder {
         if (is_new) {
             part.vertices.push_back(corner.vertex);
             part.normals.push_back(corner.normal);
+            if (has_tangents_) part.tangents.push_back(corner.tangent);
             for (size_t set = 0; set < 2; ++set)
                 if (part.interior ? (set == 0 ? !sites_.empty() || uv_by_plane_ : outside_ != nullptr)
                                   : source_ && !source_->uv[set].empty())
@@ -307,6 +317,8 @@ class PartBuilder {
     std::span<const glm::dvec3> sites_;
     bool uv_by_plane_, rough_;
     const TriangleTree* outside_;
+    std::span<const glm::vec4> tangents_;
+    bool has_tangents_ = false; // of the current part
     std::vector<float> depths_; // per vertex of the piece
     std::vector<DrawnPart> parts_;
     std::unordered_map<Corner, uint32_t, HashCorner> known_; // of the current part

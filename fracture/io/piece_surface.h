@@ -22,8 +22,9 @@ namespace brittle::fracture {
 struct DrawnPart {
     uint32_t material = no_material; // of the source; no_material for the interior
     bool interior = false;
-    std::vector<uint32_t> vertices{}; // of the piece, relative to Piece::vertices.begin
-    std::vector<glm::vec3> normals{}; // unit
+    std::vector<uint32_t> vertices{};  // of the piece, relative to Piece::vertices.begin
+    std::vector<glm::vec3> normals{};  // unit
+    std::vector<glm::vec4> tangents{}; // unit, perpendicular to the normal; w: the sign of the bitangent (tangents.h)
     // v points down. On interior parts the first set is in metres along the cut, and the second has the depth below the
     // outside, in metres, and 0.
     std::array<std::vector<glm::vec2>, 2> uv{};
@@ -38,6 +39,7 @@ struct SurfaceSettings {
     bool uv_by_plane = false;
     bool rough = false;
     const TriangleTree* outside = nullptr; // of the source's mesh, for the depth of rough cuts; or null
+    std::span<const glm::vec4> tangents{}; // of the source's corners, as corner_tangents() gives them; or empty
 };
 
 // Returns the exterior parts in order of material, the one without a material first, then the interior part. Parts

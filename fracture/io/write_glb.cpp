@@ -334,6 +334,8 @@ class GlbWriter {
         Result<Json> attributes = add_positions(positions, name);
         if (!attributes) return attributes.error();
         (*attributes)["NORMAL"] = add_accessor("normals", std::span<const glm::vec3>(part.normals), "VEC3");
+        if (!part.tangents.empty())
+            (*attributes)["TANGENT"] = add_accessor("tangents", std::span<const glm::vec4>(part.tangents), "VEC4");
         if (!part.uv[0].empty()) {
             (*attributes)["TEXCOORD_0"] = add_accessor("uv", std::span<const glm::vec2>(part.uv[0]), "VEC2");
             if (!part.uv[1].empty())

@@ -25,9 +25,10 @@ struct ExportJob {
     const Fragments& fragments;
     const Certificate& certificate;
     const ExportOptions& options;
-    std::span<const uint32_t> pieces; // indices into Fragments::pieces
-    std::string stem;                 // of the file name, for the names of files beside it
-    const TriangleTree* outside;      // of the source's mesh, for rough cuts; else null
+    std::span<const uint32_t> pieces;      // indices into Fragments::pieces
+    std::string stem;                      // of the file name, for the names of files beside it
+    const TriangleTree* outside;           // of the source's mesh, for rough cuts; else null
+    std::span<const glm::vec4> tangents{}; // of the source's corners; GLB only
 };
 
 // Checks that lists with one entry per piece are complete, that poses are valid, and that no piece would be written with
