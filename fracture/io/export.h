@@ -4,8 +4,10 @@
 //
 // docs/files.md describes the content of each format and the layout of GLB. In short: GLB and OBJ keep materials,
 // texture coordinates, colours (GLB only) and normals of the source, interpolated at the corners of the cut; PLY keeps
-// colours; STL keeps triangles. Where the source has no normals, pieces are flat shaded. Equal positions within a piece
-// stay equal bit for bit in all formats: a reader that welds by position gets closed pieces.
+// texture coordinates, images of base colours, and colours; STL keeps triangles. Where the source has no normals, pieces
+// are flat shaded. Equal positions within a piece stay equal bit for bit in all formats: a reader that welds by position
+// gets closed pieces from a file of one piece. A file of many pieces needs the groups of its format: GLB and OBJ have a
+// name for each piece, PLY a number at each face, and STL nothing: choose `per_piece` there.
 //
 // GLB: one root node with one child per piece, NAME_000 ..., whose translation is the centre of mass, without rotation
 // and scale; one primitive for each material of the exterior, then one for the cuts. `extras.brittle` of a child: site,

@@ -597,7 +597,8 @@ TEST_CASE("pieces are written in every format, with materials, hulls and one fil
     const Folder folder;
     const std::string crate = BRITTLE_CORPUS "/meshes/crate.glb";
     for (const std::string ending : {"glb", "obj", "ply", "stl"}) {
-        const Outcome whole = run_brittle(folder, "fracture " + crate + " -n 6 -o " + (folder / ("a." + ending)));
+        const Outcome whole =
+            run_brittle(folder, "fracture " + crate + " -n 6 --one-file -o " + (folder / ("a." + ending)));
         CHECK(whole.exit_code == 0);
         const Outcome again = run_brittle(folder, "inspect " + (folder / ("a." + ending)));
         CHECK(again.output.find("components") != std::string::npos);
@@ -626,12 +627,51 @@ TEST_CASE("pieces are written in every format, with materials, hulls and one fil
         CHECK(refused.has(refusal.words));
         CHECK_FALSE(fs::exists(file));
     }
+    const Outcome both =
+        run_brittle(folder, "fracture " + crate + " -n 2 --per-piece --one-file -o " + (folder / "c.stl"));
+    CHECK(both.exit_code == 2);
+    CHECK(both.has("--per-piece excludes --one-file"));
+    CHECK(
+        run_brittle(folder, "render " + crate + " -n 2 --one-file -o " + (folder / "c.png")).has("--one-file: there"));
     const Outcome no_file = run_brittle(folder, "render " + crate + " -n 2 --hulls godot -o " + (folder / "c.png"));
     CHECK(no_file.exit_code == 2);
     CHECK(no_file.has("give --export FILE"));
     const Outcome bad = run_brittle(folder, "fracture " + crate + " -n 2 -o " + (folder / "a.fbx"));
     CHECK(bad.exit_code == 2);
     CHECK(bad.output.find(".glb, .obj, .ply, .stl") != std::string::npos);
+}
+
+TEST_CASE("STL has a file for each piece, unless one file is asked for") {
+    const Folder folder;
+    const auto fracture = [&](const std::string& options) {
+        const Outcome outcome = run_brittle(folder, "fracture shape:cube -n 5 " + options);
+        CHECK(outcome.exit_code == 0);
+        return outcome;
+    };
+    const auto triangles = [&](const std::string& file) { return (fs::file_size(file) - 84) / 50; };
+    const Outcome split = fracture("-o " + (folder / "a.stl"));
+    CHECK(split.has("a.stl: STL does not tell pieces apart"));
+    CHECK(split.has("--one-file"));
+    CHECK(split.has("a_004.stl"));
+    CHECK_FALSE(fs::exists(folder / "a.stl"));
+    CHECK_FALSE(fs::exists(folder / "a_005.stl"));
+    const Outcome joined = fracture("--one-file -o " + (folder / "b.stl"));
+    CHECK_FALSE(joined.has("STL does not"));
+    CHECK_FALSE(fs::exists(folder / "b_000.stl"));
+    uintmax_t sum = 0;
+    for (int piece = 0; piece < 5; ++piece) {
+        const std::string file = folder / ("a_00" + std::to_string(piece) + ".stl");
+        REQUIRE(fs::exists(file));
+        CHECK(run_brittle(folder, "inspect " + file).exit_code == 0); // closed
+        sum += triangles(file);
+    }
+    CHECK(triangles(folder / "b.stl") == sum);
+    CHECK_FALSE(fracture("--per-piece -o " + (folder / "c.stl")).has("STL does not")); // it was asked for
+    CHECK_FALSE(fracture("-o " + (folder / "d.ply")).has("does not tell pieces apart"));
+    CHECK(fs::exists(folder / "d.ply"));
+    const Outcome single = run_brittle(folder, "fracture shape:cube -n 1 -o " + (folder / "e.stl"));
+    CHECK_FALSE(single.has("STL does not"));
+    CHECK(fs::exists(folder / "e.stl"));
 }
 
 TEST_CASE("sites of a file are fitted, turned, scaled and moved") {

@@ -66,6 +66,7 @@ int run_fracture(const FractureCommand& command) {
     std::printf("%s", report_text(input, broken).c_str());
     if (!files.empty()) std::printf("  written    %s", files.front().c_str());
     std::printf(files.size() > 1 ? " to %s\n" : "\n", files.size() > 1 ? files.back().c_str() : "");
+    print_split_note(command.files, files);
     if (!command.report.empty()) {
         const std::string json = report_json(input, broken, recipe_json(command.fracture));
         must(fracture::write_file_atomically(command.report, std::as_bytes(std::span(json))));

@@ -57,7 +57,11 @@ void add_record_option(CLI::App& command, std::string& file) {
 }
 
 void add_export_options(CLI::App& command, ExportSettings& files) {
-    command.add_flag("--per-piece", files.per_piece, "Write one file for each piece: FILE_000, FILE_001, ...");
+    auto* per_piece =
+        command.add_flag("--per-piece", files.per_piece,
+                         "Write one file for each piece: FILE_000, FILE_001, ... The default for .stl, which does not "
+                         "tell pieces apart.");
+    command.add_flag("--one-file", files.one_file, "Write all pieces to one file, also in .stl")->excludes(per_piece);
     command
         .add_option("--hulls", files.hulls,
                     "Name the nodes of a GLB file so that this engine makes bodies of the pieces. godot: rigid bodies. "

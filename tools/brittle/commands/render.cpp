@@ -239,6 +239,7 @@ int run_render(const RenderCommand& command) {
         const auto files =
             write_state(command.pieces.files, pieces_as(command.pieces.as), command.fracture, source, state);
         done += (done.empty() ? "" : ", and ") + written_text(state.pieces.size(), files);
+        print_split_note(command.pieces.files, files);
     }
     std::printf("%s: %s on %s\n", input.name.c_str(), done.c_str(), device->info().name.c_str());
     check_validation(*device);

@@ -59,6 +59,7 @@ void write_pieces_of(const Replayed& replayed, const Player& player, const Simul
     const Snapshot state = snapshot(simulation, run.fragments);
     const auto files = write_state(pieces.files, pieces_as(pieces.as), run.recipe, run.source, state);
     std::printf("%s: %s\n", run.source.name.c_str(), written_text(state.pieces.size(), files).c_str());
+    print_split_note(pieces.files, files);
 }
 
 // Replays without a device and stops at the first difference.

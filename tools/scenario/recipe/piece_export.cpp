@@ -1,5 +1,6 @@
 #include "tools/scenario/recipe/piece_export.h"
 
+#include <cstdio>
 #include <utility>
 
 #include "fracture/io/import.h"
@@ -36,9 +37,22 @@ void check_export(const ExportSettings& settings, const std::string& output_opti
                                         : "there are no hulls; add --hulls unreal or --rigid-bodies");
     refuse_if(settings.density > 0.0 && !settings.rigid_bodies, "--density", "there are no masses; add --rigid-bodies");
     refuse_if(settings.per_piece && file.empty(), "--per-piece", no_file);
+    refuse_if(settings.one_file && file.empty(), "--one-file", no_file);
     refuse_if(!settings.interior_texture.empty() && file.empty(), "--interior-texture", no_file);
     refuse_if(!settings.interior_texture.empty() && !has_images, "--interior-texture",
               file + " cannot hold images; give a name that ends with .glb or .obj");
+}
+
+bool splits_files(const ExportSettings& settings, size_t pieces) {
+    return settings.per_piece || (!settings.one_file && pieces > 1 && settings.output.ends_with(".stl"));
+}
+
+void print_split_note(const ExportSettings& settings, const std::vector<std::filesystem::path>& files) {
+    if (settings.per_piece || files.size() < 2) return;
+    std::fprintf(stderr,
+                 "brittle: %s: STL does not tell pieces apart, so each piece has a file of its own; --one-file joins "
+                 "them\n",
+                 settings.output.c_str());
 }
 
 bool wants_hulls(const ExportSettings& settings) {
@@ -54,7 +68,6 @@ physics::HullMeshSettings hull_settings(const ExportSettings& settings) {
 fracture::ExportOptions export_options(const ExportSettings& settings, const FractureOptions& recipe,
                                        const Input& source) {
     fracture::ExportOptions options{.name = source.name, .recipe = recipe_json(recipe), .source = &source.model};
-    options.per_piece = settings.per_piece;
     options.rough = !roughness_of(recipe).is_flat();
     const physics::MaterialPreset* preset = physics::material_preset(recipe.material);
     if (preset) {
@@ -76,6 +89,7 @@ std::vector<std::filesystem::path> write_pieces(const ExportSettings& settings, 
                                                 const Input& input, const Broken& broken) {
     fracture::ExportOptions options = export_options(settings, recipe, input);
     options.sites = input.sites;
+    options.per_piece = splits_files(settings, broken.fragments.pieces.size());
     std::vector<std::vector<fracture::TriangleMesh>> hulls;
     if (wants_hulls(settings)) {
         hulls = physics::hull_meshes(broken.fragments, hull_settings(settings));

@@ -15,6 +15,7 @@ namespace brittle::tools {
 struct ExportSettings {
     std::string output{};   // file whose ending gives the format; empty: no export
     bool per_piece = false; // one file per piece
+    bool one_file = false;  // one file for all pieces, also in a format that does not tell them apart
     std::string hulls{}; // "godot" or "unreal": the engine that makes bodies of the pieces by their names; may be empty
     bool rigid_bodies = false;
     uint32_t hull_parts = 0;        // at most, of one piece, for unreal and rigid_bodies; 0: the default
@@ -27,9 +28,15 @@ struct ExportSettings {
 void check_export(const ExportSettings& settings, const std::string& output_option);
 
 // Returns the export options that pieces of a fracture and pieces of a running simulation share: looks, names, density.
+// The caller sets `per_piece` (splits_files()).
 // The result points into `source`. Throws a Failure if the texture cannot be read.
 [[nodiscard]] fracture::ExportOptions export_options(const ExportSettings& settings, const FractureOptions& recipe,
                                                      const Input& source);
+// Returns whether each of so many pieces gets a file of its own: by the settings, or because the format does not tell
+// pieces apart. STL has no groups, and readers that weld it by position lose the faces where pieces touch.
+[[nodiscard]] bool splits_files(const ExportSettings& settings, size_t pieces);
+// Says on standard error where the files were split because of the format.
+void print_split_note(const ExportSettings& settings, const std::vector<std::filesystem::path>& files);
 // Returns whether the file will hold collision hulls.
 [[nodiscard]] bool wants_hulls(const ExportSettings& settings);
 [[nodiscard]] physics::HullMeshSettings hull_settings(const ExportSettings& settings);

@@ -209,6 +209,7 @@ std::vector<std::filesystem::path> write_state(const ExportSettings& settings, P
     check_source(live.fragments, source);
     fracture::ExportOptions options = export_options(settings, recipe, source);
     options.uv_by_plane = true;
+    options.per_piece = splits_files(settings, live.fragments.pieces.size());
     if (as == PiecesAs::they_lie) options.poses = live.poses;
     std::vector<std::vector<fracture::TriangleMesh>> hulls;
     if (wants_hulls(settings)) {
