@@ -7,45 +7,38 @@
 
 #include "fracture/doctor/repair.h"
 #include "tools/brittle/profile/scenario.h"
+#include "tools/scenario/recipe/export_settings.h"
 #include "tools/scenario/recipe/input.h"
-#include "tools/scenario/recipe/piece_export.h"
 #include "tools/scenario/recipe/view_options.h"
 
 namespace brittle::tools {
 
 struct FractureCommand {
     FractureOptions fracture;
-    ExportSettings files;
+    ExportSettings files;         // those of `fracture` that have an effect on the output, and the output
     std::string classify = "cpu"; // auto, cpu or gpu
     std::string report;           // empty: none
-};
-
-// Export of the pieces at the end of a run; none without an output file.
-struct StateExport {
-    ExportSettings files;
-    std::string as = "lie"; // lie or made: see pieces_as()
 };
 
 struct RenderCommand {
     FractureOptions fracture;
     ViewOptions view;
     std::string output = "frame_%04d.png"; // empty: no pictures
-    uint32_t every = 10;                   // interval between frames that are written
     std::string video;                     // video file of all frames, by ffmpeg; empty: none
     std::string record;                    // file of the replay log; empty: none
     std::string ids;   // name, in the manner of `output`, of pictures of piece numbers (id_picture.h); empty: none
     std::string graph; // file of the frame graph, as DOT; empty: none
     std::string classify = "cpu"; // auto, cpu or gpu
-    StateExport pieces;
+    ExportSettings pieces; // files of the pieces at the end of the run, as FractureCommand::files; without output: none
 };
 
 struct ReplayCommand {
     std::string log;
     std::string pictures; // pictures, as RenderCommand::output; empty: none
     uint32_t every = 10;
-    std::string video;    // empty: none
-    uint32_t threads = 0; // threads of the fracture; 0: one per core
-    StateExport pieces;
+    std::string video;     // empty: none
+    uint32_t threads = 0;  // threads of the fracture; 0: one per core
+    ExportSettings pieces; // files of the pieces at the end of the run; without output: none
     ViewOptions view;
 };
 

@@ -42,7 +42,6 @@ void say_memory(const Input& input, const std::string& output) {
 int run_fracture(const FractureCommand& command) {
     catch_interrupts();
     const InterruptDeadline deadline;
-    check_export(command.files, "--output");
     const Input input = open_input(command.fracture, true);
     for (const std::string& note : input.model.notes)
         std::fprintf(stderr, "brittle: %s: %s\n", input.name.c_str(), note.c_str());

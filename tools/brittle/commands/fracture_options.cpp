@@ -15,11 +15,14 @@ void add_fracture(CLI::App& app, Run& run) {
         ->required()
         ->check(check_export_ending)
         ->type_name("FILE");
-    add_export_options(fracture, command->files);
+    add_export_options(fracture, command->fracture.exports);
     add_classify_option(fracture, command->classify);
     fracture.add_option("--report", command->report, "JSON file for counts, certificate and times")
         ->type_name("FILE.json");
-    fracture.callback([&run, command] { run = [command] { return run_fracture(*command); }; });
+    fracture.callback([&run, &fracture, command] {
+        command->files = settle_export(fracture, command->fracture.exports, command->files.output, "--output");
+        run = [command] { return run_fracture(*command); };
+    });
 }
 
 } // namespace brittle::tools

@@ -1,10 +1,14 @@
 #include "tools/brittle/commands/option_groups.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <filesystem>
+#include <utility>
+#include <vector>
 
 #include "fracture/io/export.h"
 #include "tools/brittle/commands/option_values.h"
+#include "tools/scenario/recipe/piece_export.h"
 
 namespace brittle::tools {
 
@@ -57,6 +61,16 @@ void add_record_option(CLI::App& command, std::string& file) {
 }
 
 void add_export_options(CLI::App& command, ExportSettings& files) {
+    command
+        .add_option("--name", files.name,
+                    "Name of the object in a GLB or OBJ file; its pieces are NAME_000, NAME_001, ... The default is "
+                    "the name of the mesh.")
+        ->check([](const std::string& name) {
+            if (name.empty()) return std::string("'' is no name; leave the option out for the name of the mesh");
+            const std::string refusal = refusal_of_name(name);
+            return refusal.empty() ? refusal : "the text is " + refusal;
+        })
+        ->type_name("NAME");
     auto* per_piece =
         command.add_flag("--per-piece", files.per_piece,
                          "Write one file for each piece: FILE_000, FILE_001, ... The default for .stl, which does not "
@@ -74,7 +88,7 @@ void add_export_options(CLI::App& command, ExportSettings& files) {
     command
         .add_option("--hull-parts", files.hull_parts,
                     "Most hulls of one piece. A piece that is far from convex needs several. [16]")
-        ->check(number_from(1, 256))
+        ->check(number_from(1, max_hull_parts))
         ->type_name("N");
     command
         .add_option("--density", files.density,
@@ -86,9 +100,9 @@ void add_export_options(CLI::App& command, ExportSettings& files) {
         ->type_name("FILE");
 }
 
-void add_state_export(CLI::App& command, StateExport& pieces) {
+void add_state_export(CLI::App& command, std::string& output, ExportSettings& pieces) {
     command
-        .add_option("--export", pieces.files.output,
+        .add_option("--export", output,
                     "File for the pieces at the end of the run, with all cuts made by blows: .glb, .obj, .ply or .stl")
         ->check(check_export_ending)
         ->type_name("FILE");
@@ -98,7 +112,21 @@ void add_state_export(CLI::App& command, StateExport& pieces) {
         ->check(CLI::IsMember({"lie", "made"}))
         ->type_name("HOW")
         ->capture_default_str();
-    add_export_options(command, pieces.files);
+    add_export_options(command, pieces);
+}
+
+std::function<bool(const std::string& option)> given_options(const CLI::App& command) {
+    return [&command](const std::string& option) { return command.count(option) > 0; };
+}
+
+ExportSettings settle_export(const CLI::App& command, const ExportSettings& settings, const std::string& output,
+                             const std::string& output_option) {
+    ExportSettings files = settings;
+    files.output = output;
+    std::vector<std::string> notes;
+    files = effective_export(std::move(files), output_option, given_options(command), notes);
+    for (const std::string& note : notes) std::fprintf(stderr, "brittle: %s\n", note.c_str());
+    return files;
 }
 
 std::string check_export_ending(const std::string& file) {

@@ -5,6 +5,7 @@
 // options on the command line override the recipe.
 #pragma once
 
+#include <functional>
 #include <string>
 
 #include <CLI/CLI.hpp>
@@ -30,8 +31,13 @@ void add_record_option(CLI::App& command, std::string& file);
 
 // Contents of the files that pieces are written to, without the output itself.
 void add_export_options(CLI::App& command, ExportSettings& files);
-// --export and --export-as, with the options of add_export_options().
-void add_state_export(CLI::App& command, StateExport& pieces);
+// --export, to `output`, and --export-as, with the options of add_export_options().
+void add_state_export(CLI::App& command, std::string& output, ExportSettings& pieces);
+// Whether the command line gives an option, after parsing. The command must outlive the function.
+[[nodiscard]] std::function<bool(const std::string& option)> given_options(const CLI::App& command);
+// Returns the settings that have an effect on the file (piece_export.h), and tells of those of a recipe that have none.
+[[nodiscard]] ExportSettings settle_export(const CLI::App& command, const ExportSettings& settings,
+                                           const std::string& output, const std::string& output_option);
 // Refuses a file whose ending names no format that pieces can be written in.
 [[nodiscard]] std::string check_export_ending(const std::string& file);
 

@@ -30,12 +30,9 @@ namespace {
 
 // Refuses outputs that need a fracture and its motion together with pictures that have neither.
 void check_run(const RenderCommand& command) {
-    ExportSettings exports = command.pieces.files;
-    exports.interior_texture.clear(); // pictures show it, too
-    check_export(exports, "--export");
     const PictureOptions& picture = command.fracture.picture;
     for (const char* option : {"--record", "--export"}) {
-        const std::string& file = option == std::string("--record") ? command.record : command.pieces.files.output;
+        const std::string& file = option == std::string("--record") ? command.record : command.pieces.output;
         if (file.empty()) continue;
         if (picture.whole)
             throw Failure(exit_usage, std::string(option) + ": cannot be combined with --whole, because nothing moves");
@@ -134,7 +131,7 @@ void write_graph(const RenderCommand& command, const engine::Renderer& renderer)
 
 // Refuses what a scene cannot show, and warns of options of one mesh, which its objects have themselves.
 void check_scene_options(const RenderCommand& command) {
-    check_export_of_scene(command.fracture, command.pieces.files);
+    check_export_of_scene(command.fracture, command.pieces);
     const PictureOptions& picture = command.fracture.picture;
     const std::pair<bool, const char*> of_one_mesh[] = {
         {picture.whole, "whole"}, {picture.planes > 0, "planes"}, {picture.sites, "sites"}, {picture.cells, "cells"}};
@@ -146,6 +143,7 @@ void check_scene_options(const RenderCommand& command) {
     for (FractureOptions* options : {&rest, &plain}) {
         options->units = {};
         options->picture = {};
+        options->exports = {};
         WorldOptions& world = options->world;
         world.engine = {};
         world.air_density = 0.0;
@@ -188,7 +186,7 @@ int render_scene(const RenderCommand& command, const FilmOptions& film_options) 
     if (recorder) recorder->finish();
     write_graph(command, *renderer);
     std::string done = film.summary();
-    if (const ExportSettings& files = command.pieces.files; !files.output.empty()) {
+    if (const ExportSettings& files = command.pieces; !files.output.empty()) {
         const size_t pieces = write_scene_state(files, pieces_as(command.pieces.as), scene, stage.simulation());
         done += (done.empty() ? "" : ", and ") + written_text(pieces, {files.output});
     }
@@ -202,12 +200,12 @@ int render_scene(const RenderCommand& command, const FilmOptions& film_options) 
 int run_render(const RenderCommand& command) {
     const PictureOptions& picture = command.fracture.picture;
     const FilmOptions film_options{
-        .output = command.output, .ids = command.ids, .every = command.every, .video = command.video};
+        .output = command.output, .ids = command.ids, .every = picture.every, .video = command.video};
     check_film(film_options);
     check_run(command);
     catch_interrupts();
     if (is_scene(command.fracture)) return render_scene(command, film_options);
-    const bool exports = !command.pieces.files.output.empty();
+    const bool exports = !command.pieces.output.empty();
     const Input source = open_input(command.fracture, exports || wants_looks(picture)),
                 input = placed_on_stage(source, command.fracture.world);
     const std::shared_ptr<const MeshLooks> looks = load_looks(source, input, picture);
@@ -236,8 +234,7 @@ int run_render(const RenderCommand& command) {
     std::string done = film.summary();
     if (exports) {
         const Snapshot state = snapshot(stage.simulation(), fragments);
-        const auto files =
-            write_state(command.pieces.files, pieces_as(command.pieces.as), command.fracture, source, state);
+        const auto files = write_state(command.pieces, pieces_as(command.pieces.as), command.fracture, source, state);
         done += (done.empty() ? "" : ", and ") + written_text(state.pieces.size(), files);
         print_split_note(command.pieces.files, files);
     }

@@ -4,6 +4,7 @@
 #include "tools/brittle/commands/command_line.h"
 #include "tools/brittle/commands/option_groups.h"
 #include "tools/brittle/commands/option_values.h"
+#include "tools/scenario/base/failure.h"
 
 namespace brittle::tools {
 
@@ -53,7 +54,7 @@ void add_frame_options(CLI::App& render, RenderCommand& command) {
                     "Number of frames to simulate after the first picture, at 60 per second")
         ->check(number_from(0, 100'000))
         ->capture_default_str();
-    render.add_option("--every", command.every, "Interval between the frames that are written")
+    render.add_option("--every", command.fracture.picture.every, "Interval between the frames that are written")
         ->check(number_from(1, 100'000))
         ->capture_default_str();
     render
@@ -78,7 +79,32 @@ void add_other_outputs(CLI::App& render, RenderCommand& command) {
         ->type_name("FILE.png");
     render.add_option("--graph", command.graph, "File for the frame graph of the last picture, for `dot -Tsvg`")
         ->type_name("FILE.dot");
-    add_state_export(render, command.pieces);
+    add_state_export(render, command.pieces.output, command.fracture.exports);
+}
+
+// Size and quality are those of the command line, else those of the recipe, which keeps them.
+void settle_view(const CLI::App& render, PictureOptions& picture, ViewOptions& view) {
+    if (render.count("--size") > 0) {
+        picture.width = view.width;
+        picture.height = view.height;
+    } else if (picture.width > 0) {
+        view.width = picture.width;
+        view.height = picture.height;
+    }
+    if (render.count("--quality") > 0)
+        picture.quality = view.quality;
+    else if (!picture.quality.empty())
+        view.quality = picture.quality;
+}
+
+// Pictures show the interior texture, too, so it has an effect without --export.
+void settle_pieces(const CLI::App& render, RenderCommand& command) {
+    ExportSettings exports = command.fracture.exports;
+    std::string& shown = command.fracture.picture.interior_texture;
+    if (render.count("--interior-texture") > 0 || shown.empty()) shown = exports.interior_texture;
+    const std::string& output = command.pieces.output;
+    if (!output.ends_with(".glb") && !output.ends_with(".obj")) exports.interior_texture.clear();
+    command.pieces = settle_export(render, exports, output, "--export");
 }
 
 } // namespace
@@ -96,10 +122,12 @@ void add_render(CLI::App& app, Run& run) {
     add_classify_option(render, command->classify);
     add_view_options(render, command->view);
     render.callback([&run, &render, command] {
-        const bool has_other_output = !command->video.empty() || !command->pieces.files.output.empty();
+        const bool has_other_output = !command->video.empty() || !command->pieces.output.empty();
         if (has_other_output && render.count("--output") == 0) command->output.clear();
-        if (const std::string& texture = command->pieces.files.interior_texture; !texture.empty())
-            command->fracture.picture.interior_texture = texture;
+        settle_view(render, command->fracture.picture, command->view);
+        settle_pieces(render, *command);
+        if (render.count("--name") > 0 && is_scene(command->fracture))
+            throw Failure(exit_usage, "--name: the objects of a scene have names of their own");
         run = [command] {
             command->fracture = scene_of_pieces(std::move(command->fracture));
             return run_render(*command);

@@ -36,9 +36,9 @@ struct Replayed {
 };
 
 Replayed load(const ReplayCommand& command, const ReplayLog& log) {
-    check_export(command.pieces.files, "--export");
-    if (is_scene(log.recipe)) check_export_of_scene(log.recipe, command.pieces.files);
-    const bool exports = !command.pieces.files.output.empty();
+    check_export(command.pieces, "--export");
+    if (is_scene(log.recipe)) check_export_of_scene(log.recipe, command.pieces);
+    const bool exports = !command.pieces.output.empty();
     const bool draws = !command.pictures.empty() || !command.video.empty();
     const InterruptDeadline deadline; // nothing is lost yet
     return {command, log,
@@ -48,16 +48,16 @@ Replayed load(const ReplayCommand& command, const ReplayLog& log) {
 
 // Writes the pieces, unless the run differed from the log.
 void write_pieces_of(const Replayed& replayed, const Player& player, const Simulation& simulation) {
-    const StateExport& pieces = replayed.command.pieces;
+    const ExportSettings& pieces = replayed.command.pieces;
     const LoadedRun& run = replayed.run;
-    if (pieces.files.output.empty() || player.difference()) return;
+    if (pieces.output.empty() || player.difference()) return;
     if (run.of_scene()) {
-        const size_t written = write_scene_state(pieces.files, pieces_as(pieces.as), run.scene, simulation);
-        std::printf("%s: %s\n", run.name().c_str(), written_text(written, {pieces.files.output}).c_str());
+        const size_t written = write_scene_state(pieces, pieces_as(pieces.as), run.scene, simulation);
+        std::printf("%s: %s\n", run.name().c_str(), written_text(written, {pieces.output}).c_str());
         return;
     }
     const Snapshot state = snapshot(simulation, run.fragments);
-    const auto files = write_state(pieces.files, pieces_as(pieces.as), run.recipe, run.source, state);
+    const auto files = write_state(pieces, pieces_as(pieces.as), run.recipe, run.source, state);
     std::printf("%s: %s\n", run.source.name.c_str(), written_text(state.pieces.size(), files).c_str());
     print_split_note(pieces.files, files);
 }

@@ -21,7 +21,7 @@ void add_replay(CLI::App& app, Run& run) {
     replay.add_option("--video", command->video, "File for a video of the run, made by the program ffmpeg")
         ->type_name("FILE.mp4");
     add_threads_option(replay, command->threads);
-    add_state_export(replay, command->pieces);
+    add_state_export(replay, command->pieces.output, command->pieces);
     // Pictures and videos may run past the last step of the log, so the state at their end is not that of the log.
     replay.get_option("--export")->excludes("--render")->excludes("--video");
     add_view_options(replay, command->view);

@@ -85,4 +85,12 @@ std::string report_json(const Input& input, const Broken& broken, const std::str
     return text_of(report, 2) + "\n";
 }
 
+void print_split_note(const ExportSettings& settings, const std::vector<std::filesystem::path>& files) {
+    if (settings.per_piece || files.size() < 2) return;
+    std::fprintf(stderr,
+                 "brittle: %s: STL does not tell pieces apart, so each piece has a file of its own; --one-file joins "
+                 "them\n",
+                 settings.output.c_str());
+}
+
 } // namespace brittle::tools

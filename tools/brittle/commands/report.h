@@ -1,8 +1,11 @@
 // The report of a fracture, as text for people and as JSON for programs.
 #pragma once
 
+#include <filesystem>
 #include <string>
+#include <vector>
 
+#include "tools/scenario/recipe/export_settings.h"
 #include "tools/scenario/recipe/input.h"
 
 namespace brittle::tools {
@@ -15,5 +18,8 @@ namespace brittle::tools {
 // cap_triangles (more with roughness), roughness (0 for flat cuts), crossings (triangles of rough cuts that cross
 // their piece), milliseconds {phase: number, ..., total}, hash (16 hexadecimal digits), recipe.
 [[nodiscard]] std::string report_json(const Input& input, const Broken& broken, const std::string& recipe);
+
+// Says on standard error where pieces have files of their own because of the format.
+void print_split_note(const ExportSettings& settings, const std::vector<std::filesystem::path>& files);
 
 } // namespace brittle::tools

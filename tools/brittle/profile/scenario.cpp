@@ -77,6 +77,8 @@ Scenario make_scenario(const ScenarioGroup& group, FractureOptions options, cons
 void read_profile_plan(const std::filesystem::path& file, ProfilePlan& plan) {
     const Json json = read_json_file(file, "profile's plan", max_plan_bytes);
     JsonReader reader(file, json, "");
+    std::string schema; // for editors
+    reader.text("$schema", schema);
     int written_for = 0;
     reader.whole("brittle_profile", written_for, 0, INT32_MAX);
     if (written_for != version)

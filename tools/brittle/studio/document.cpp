@@ -186,7 +186,8 @@ std::string_view Document::redo_name() const {
 void Document::exchange(std::vector<Step>& from, std::vector<Step>& to) {
     Step step = std::move(from.back());
     from.pop_back();
-    step.before.picture = recipe_.picture; // the picture is not part of the history
+    step.before.picture = recipe_.picture; // pictures and files of pieces are not part of the history
+    step.before.exports = recipe_.exports;
     std::swap(step.before, recipe_);
     step.gesture = 0;
     to.push_back(std::move(step));

@@ -127,6 +127,7 @@ class Document {
     bool redo();
 
     PictureOptions& picture() { return recipe_.picture; }
+    ExportSettings& exports() { return recipe_.exports; } // without the output
 
     // Changes with each edit, undo and redo, so that results for an older version can be recognised.
     [[nodiscard]] uint64_t version() const { return version_; }

@@ -395,10 +395,10 @@ void Panels::piece_options(Session& session) {
     as("as made", "Pieces where they were cut; together they form the mesh", PiecesAs::made);
     ImGui::EndDisabled();
     control("Hulls", "GLB only: collision hulls, under the names that this engine recognises");
-    const std::string& now = session.files().exports.hulls;
+    const std::string& now = session.exports().hulls;
     if (ImGui::BeginCombo("##Hulls", now.empty() ? "none" : now.c_str())) {
         for (const char* name : {"", "godot", "unreal"})
-            if (ImGui::Selectable(*name ? name : "none", now == name)) session.files().exports.hulls = name;
+            if (ImGui::Selectable(*name ? name : "none", now == name)) session.exports().hulls = name;
         ImGui::EndCombo();
     }
     ImGui::Separator();

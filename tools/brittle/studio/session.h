@@ -56,6 +56,7 @@ class Session {
     [[nodiscard]] const Document& document() const { return document_; }
     [[nodiscard]] const FractureOptions& recipe() const { return document_.recipe(); }
     PictureOptions& picture() { return document_.picture(); }
+    ExportSettings& exports() { return document_.exports(); }
     void edit(const Edit& edit, uint64_t gesture = 0);
     [[nodiscard]] uint64_t begin_gesture() { return document_.begin_gesture(); }
     void undo();

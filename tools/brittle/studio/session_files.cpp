@@ -79,8 +79,11 @@ void SessionFiles::save_recipe(const std::filesystem::path& file) {
 void SessionFiles::export_pieces(const std::filesystem::path& file, PiecesAs as) {
     FractureOptions options = session_.recipe();
     options.save_recipe.clear();
-    ExportSettings settings = exports;
+    ExportSettings settings = options.exports;
     settings.output = file.string();
+    std::vector<std::string> idle; // of a recipe for another format
+    settings = effective_export(
+        settings, "--output", [](const std::string&) { return false; }, idle);
     try {
         check_export_of_scene(options, settings);
         if (session_.object_->is_scene()) {

@@ -23,7 +23,7 @@ class SessionFiles {
     // Opens a mesh, shape:NAME or a recipe, on a worker.
     void open(const std::string& path, bool repair = false);
     void save_recipe(const std::filesystem::path& file);
-    // Writes pieces by the settings of `exports`, on a worker: the pieces on the stage once the mesh is broken. Before
+    // Writes pieces by the settings of Session::exports(), on a worker: the pieces on the stage once the mesh is broken. Before
     // that, and for PiecesAs::made in a world that is not breakable, the recipe's pieces as `brittle fracture` writes
     // them.
     void export_pieces(const std::filesystem::path& file, PiecesAs as = PiecesAs::made);
@@ -38,7 +38,6 @@ class SessionFiles {
     // Writes the log; no effect without record().
     void finish_recording();
 
-    ExportSettings exports;                         // without the output
     std::function<void(const std::string&)> opened; // called for each opened mesh and each opened or saved recipe
 
   private:

@@ -118,11 +118,12 @@ FractureOptions scene_of_pieces(FractureOptions options) {
     object.recipe.mesh = options.pieces_from;
     object.recipe.pieces_from.clear();
     object.recipe.save_recipe.clear();
-    object.name = mesh_name(options.pieces_from);
+    object.name = options.exports.name.empty() ? mesh_name(options.pieces_from) : options.exports.name;
     object.in_pieces = true;
     WorldOptions& own = object.recipe.world;
     own.bonded = own.breakable = true;
     own.height = 0.0;
+    object.recipe.exports = {};
     own.shots.clear();
     own.joints.clear();
     scene.world = options.world;
@@ -130,6 +131,8 @@ FractureOptions scene_of_pieces(FractureOptions options) {
     scene.world.anchors.clear();
     scene.units = options.units == LengthUnit::fit ? LengthUnit::metre : options.units;
     scene.picture = options.picture;
+    scene.exports = options.exports;
+    scene.exports.name.clear(); // the object has it
     scene.threads = options.threads;
     scene.save_recipe = options.save_recipe;
     return scene;

@@ -16,6 +16,7 @@
 #include "fracture/sites/pattern.h"
 #include "fracture/unite/unite.h"
 #include "tools/scenario/recipe/automatic_pattern.h"
+#include "tools/scenario/recipe/export_settings.h"
 #include "tools/scenario/recipe/glue.h"
 #include "tools/scenario/recipe/host.h"
 #include "tools/scenario/recipe/picture_options.h"
@@ -73,11 +74,12 @@ struct FractureOptions {
     fracture::Roughness rough;
     uint32_t threads = 0;               // 0: one per core
     PictureOptions picture;             // contents of the pictures of `brittle render`
+    ExportSettings exports;             // contents of the files of pieces, without the output
     WorldOptions world;                 // physics; world_of() sets its seed and blows
     LengthUnit units = LengthUnit::fit; // of the mesh files
     double piece_scale = 1.0;           // factor of the size of pieces of all automatic patterns of a scene
-    // The objects of a scene, those of its level first. Of the members above, only units, threads, picture, save_recipe
-    // and the members of `world` that concern no single object then count.
+    // The objects of a scene, those of its level first. Of the members above, only units, threads, picture, exports,
+    // save_recipe and the members of `world` that concern no single object then count.
     Level level;
     std::vector<SceneObject> objects;
     std::vector<Glue> glue; // between objects of the scene

@@ -11,9 +11,14 @@ namespace brittle::tools {
 // each piece. Automatic: materials where the mesh has some.
 enum class PieceColours { automatic, pieces, materials };
 
+inline constexpr uint32_t min_picture = 16, max_picture = 8192; // pixels, width and height of a picture
+
 struct PictureOptions {
-    uint32_t frames = 120; // number of frames of 1/60 s after the first picture
-    bool whole = false;    // draw the unbroken mesh
+    uint32_t every = 10;            // interval between the frames that are written
+    uint32_t width = 0, height = 0; // pixels; 0: those of ViewOptions
+    std::string quality{};          // auto, fast or best; empty: that of ViewOptions
+    uint32_t frames = 120;          // number of frames of 1/60 s after the first picture
+    bool whole = false;             // draw the unbroken mesh
     // Cut out only the cell of site 0, by this many of its planes, nearest first; 0: fracture the whole mesh.
     uint32_t planes = 0;
     float explode = 0.0f; // draw the pieces apart, by this share of their distance from the middle

@@ -1,11 +1,13 @@
 #include "tools/scenario/recipe/piece_export.h"
 
-#include <cstdio>
+#include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "fracture/io/import.h"
 #include "physics/material.h"
 #include "tools/scenario/base/failure.h"
+#include "tools/scenario/recipe/json_reader.h"
 #include "tools/scenario/recipe/recipe.h"
 
 namespace brittle::tools {
@@ -17,42 +19,83 @@ double density_of(const ExportSettings& settings, const physics::MaterialPreset*
                                   : double{(preset ? preset->material : physics::Material{}).density};
 }
 
-} // namespace
+// A setting that has no effect on the file: its option, and why.
+struct IdleSetting {
+    std::string option;
+    std::string why;
+};
 
-void check_export(const ExportSettings& settings, const std::string& output_option) {
-    const auto refuse_if = [](bool given, const std::string& option, const std::string& why) {
-        if (given) throw Failure(exit_usage, option + ": " + why);
-    };
+// Returns the first setting that has no effect.
+std::optional<IdleSetting> idle_setting(const ExportSettings& settings, const std::string& output_option) {
     const std::string& file = settings.output;
     const std::string no_file = "there is no file to write; give " + output_option + " FILE";
     const std::string not_glb = file + " cannot hold bodies; give a name that ends with .glb";
     const bool is_glb = file.ends_with(".glb"), has_images = is_glb || file.ends_with(".obj");
     for (const auto& [given, option] :
          {std::pair(!settings.hulls.empty(), "--hulls"), std::pair(settings.rigid_bodies, "--rigid-bodies")}) {
-        refuse_if(given && file.empty(), option, no_file);
-        refuse_if(given && !is_glb, option, not_glb);
+        if (given && file.empty()) return IdleSetting{option, no_file};
+        if (given && !is_glb) return IdleSetting{option, not_glb};
     }
-    refuse_if(settings.hull_parts > 0 && !wants_hulls(settings), "--hull-parts",
-              settings.hulls == "godot" ? "Godot makes the shapes from the drawn mesh; add --rigid-bodies for hulls"
-                                        : "there are no hulls; add --hulls unreal or --rigid-bodies");
-    refuse_if(settings.density > 0.0 && !settings.rigid_bodies, "--density", "there are no masses; add --rigid-bodies");
-    refuse_if(settings.per_piece && file.empty(), "--per-piece", no_file);
-    refuse_if(settings.one_file && file.empty(), "--one-file", no_file);
-    refuse_if(!settings.interior_texture.empty() && file.empty(), "--interior-texture", no_file);
-    refuse_if(!settings.interior_texture.empty() && !has_images, "--interior-texture",
-              file + " cannot hold images; give a name that ends with .glb or .obj");
+    if (settings.hull_parts > 0 && !wants_hulls(settings))
+        return IdleSetting{"--hull-parts", settings.hulls == "godot" ? "Godot makes the shapes from the drawn mesh; "
+                                                                       "add --rigid-bodies for hulls"
+                                                                     : "there are no hulls; add --hulls unreal or "
+                                                                       "--rigid-bodies"};
+    if (settings.density > 0.0 && !settings.rigid_bodies)
+        return IdleSetting{"--density", "there are no masses; add --rigid-bodies"};
+    if (settings.per_piece && file.empty()) return IdleSetting{"--per-piece", no_file};
+    if (settings.one_file && file.empty()) return IdleSetting{"--one-file", no_file};
+    if (!settings.interior_texture.empty() && file.empty()) return IdleSetting{"--interior-texture", no_file};
+    if (!settings.interior_texture.empty() && !has_images)
+        return IdleSetting{"--interior-texture", file + " cannot hold images; give a name that ends with .glb or .obj"};
+    if (!settings.name.empty() && file.empty()) return IdleSetting{"--name", no_file};
+    if (!settings.name.empty() && !has_images)
+        return IdleSetting{"--name", file + " cannot hold names; give a name that ends with .glb or .obj"};
+    return std::nullopt;
+}
+
+void reset(ExportSettings& settings, const std::string& option) {
+    const ExportSettings plain;
+    if (option == "--hulls") settings.hulls = plain.hulls;
+    if (option == "--rigid-bodies") settings.rigid_bodies = plain.rigid_bodies;
+    if (option == "--hull-parts") settings.hull_parts = plain.hull_parts;
+    if (option == "--density") settings.density = plain.density;
+    if (option == "--per-piece") settings.per_piece = plain.per_piece;
+    if (option == "--one-file") settings.one_file = plain.one_file;
+    if (option == "--interior-texture") settings.interior_texture = plain.interior_texture;
+    if (option == "--name") settings.name = plain.name;
+}
+
+} // namespace
+
+void check_export(const ExportSettings& settings, const std::string& output_option) {
+    if (const std::optional<IdleSetting> idle = idle_setting(settings, output_option))
+        throw Failure(exit_usage, idle->option + ": " + idle->why);
+}
+
+ExportSettings effective_export(ExportSettings settings, const std::string& output_option,
+                                const std::function<bool(const std::string& option)>& given,
+                                std::vector<std::string>& notes) {
+    while (const std::optional<IdleSetting> idle = idle_setting(settings, output_option)) {
+        if (given(idle->option)) throw Failure(exit_usage, idle->option + ": " + idle->why);
+        reset(settings, idle->option);
+        if (!settings.output.empty()) notes.push_back("the recipe's " + idle->option + " has no effect: " + idle->why);
+    }
+    return settings;
+}
+
+std::string refusal_of_name(const std::string& name) {
+    if (name.size() > max_name_bytes)
+        return "a name of " + std::to_string(name.size()) + " bytes; give " + std::to_string(max_name_bytes)
+               + " at most";
+    if (std::ranges::any_of(name, [](unsigned char c) { return c < 0x20 || c == 0x7f; }))
+        return "a name with control characters; leave them out";
+    if (!is_utf8(name)) return "a name that is not UTF-8; spell it in UTF-8";
+    return {};
 }
 
 bool splits_files(const ExportSettings& settings, size_t pieces) {
     return settings.per_piece || (!settings.one_file && pieces > 1 && settings.output.ends_with(".stl"));
-}
-
-void print_split_note(const ExportSettings& settings, const std::vector<std::filesystem::path>& files) {
-    if (settings.per_piece || files.size() < 2) return;
-    std::fprintf(stderr,
-                 "brittle: %s: STL does not tell pieces apart, so each piece has a file of its own; --one-file joins "
-                 "them\n",
-                 settings.output.c_str());
 }
 
 bool wants_hulls(const ExportSettings& settings) {
@@ -67,7 +110,9 @@ physics::HullMeshSettings hull_settings(const ExportSettings& settings) {
 
 fracture::ExportOptions export_options(const ExportSettings& settings, const FractureOptions& recipe,
                                        const Input& source) {
-    fracture::ExportOptions options{.name = source.name, .recipe = recipe_json(recipe), .source = &source.model};
+    fracture::ExportOptions options{.name = settings.name.empty() ? source.name : settings.name,
+                                    .recipe = recipe_json(recipe),
+                                    .source = &source.model};
     options.rough = !roughness_of(recipe).is_flat();
     const physics::MaterialPreset* preset = physics::material_preset(recipe.material);
     if (preset) {

@@ -186,6 +186,7 @@ Json scene_json(const FractureOptions& scene) {
     add_world(scene.world, world);
     if (!world.empty()) json["world"] = world;
     if (const Json picture = picture_json(scene.picture); !picture.empty()) json["picture"] = picture;
+    if (const Json files = export_json(scene.exports); !files.empty()) json["export"] = files;
     return json;
 }
 
@@ -200,6 +201,7 @@ Json recipe_object(const FractureOptions& options) {
     add_world(options.world, world);
     if (!world.empty()) recipe["world"] = world;
     if (const Json picture = picture_json(options.picture); !picture.empty()) recipe["picture"] = picture;
+    if (const Json files = export_json(options.exports); !files.empty()) recipe["export"] = files;
     return recipe;
 }
 
@@ -570,6 +572,8 @@ void read_object_kind(const std::filesystem::path& file, const Json& json, const
 void read_recipe(const std::filesystem::path& file, const Json& json, const std::string& path,
                  FractureOptions& options) {
     JsonReader reader(file, json, path);
+    std::string schema; // for editors, which complete and check what is written
+    reader.text("$schema", schema);
     int written_for = 0;
     reader.whole("brittle", written_for, 0, INT32_MAX);
     if (written_for != version && written_for != scene_version)
@@ -606,6 +610,13 @@ void read_recipe(const std::filesystem::path& file, const Json& json, const std:
             options.picture.interior_texture = path_from(file, options.picture.interior_texture);
         inner.refuse_unknown_keys();
     }
+    if (const Json* files = reader.find("export")) {
+        JsonReader inner(file, *files, path + "/export");
+        read_export(inner, options.exports);
+        if (inner.find("interior_texture"))
+            options.exports.interior_texture = path_from(file, options.exports.interior_texture);
+        inner.refuse_unknown_keys();
+    }
     reader.refuse_unknown_keys();
 }
 
@@ -617,6 +628,7 @@ void visit_files(Options& options, Visit visit) {
     visit(options.mesh);
     visit(options.sites_file);
     visit(options.picture.interior_texture);
+    visit(options.exports.interior_texture);
     visit(options.level.mesh);
     for (auto& rule : options.level.rules) visit_files(rule.then.recipe, visit);
     for (auto& object : options.objects) visit_files(object.recipe, visit);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <initializer_list>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -87,6 +88,9 @@ Json picture_json(const PictureOptions& picture) {
     const PictureOptions plain;
     Json json = Json::object();
     if (picture.frames != plain.frames) json["frames"] = picture.frames;
+    if (picture.every != plain.every) json["every"] = picture.every;
+    if (picture.width > 0) json["size"] = {picture.width, picture.height};
+    if (!picture.quality.empty()) json["quality"] = picture.quality;
     if (picture.whole) json["whole"] = true;
     if (picture.planes != plain.planes) json["planes"] = picture.planes;
     if (picture.explode != plain.explode) json["explode"] = picture.explode;
@@ -104,7 +108,38 @@ Json picture_json(const PictureOptions& picture) {
     return json;
 }
 
+// Returns the values that differ from the defaults.
+Json export_json(const ExportSettings& settings) {
+    const ExportSettings plain;
+    Json json = Json::object();
+    if (settings.name != plain.name) json["name"] = settings.name;
+    if (settings.per_piece) json["per_piece"] = true;
+    if (settings.one_file) json["one_file"] = true;
+    if (settings.hulls != plain.hulls) json["hulls"] = settings.hulls;
+    if (settings.rigid_bodies) json["rigid_bodies"] = true;
+    if (settings.hull_parts != plain.hull_parts) json["hull_parts"] = settings.hull_parts;
+    if (settings.density != plain.density) json["density"] = settings.density;
+    if (settings.interior_texture != plain.interior_texture) json["interior_texture"] = settings.interior_texture;
+    if (settings.as != plain.as) json["as"] = settings.as;
+    return json;
+}
+
 namespace {
+
+// Reads one of some words.
+void read_word(JsonReader& reader, const char* key, std::string& target, std::initializer_list<const char*> words) {
+    const Json* value = reader.find(key);
+    if (!value) return;
+    std::string list;
+    for (const char* word : words) {
+        if (*value == word) {
+            target = word;
+            return;
+        }
+        list += (list.empty() ? "\"" : ", \"") + std::string(word) + "\"";
+    }
+    reader.fail(key, "one of " + list, *value);
+}
 
 void read_anchors(const std::filesystem::path& file, const std::string& path, JsonReader& reader,
                   std::vector<Anchor>& anchors) {
@@ -237,6 +272,25 @@ void read_world(const std::filesystem::path& file, const std::string& path, Json
     }
 }
 
+void read_export(JsonReader& reader, ExportSettings& settings) {
+    reader.text("name", settings.name);
+    if (const std::string refusal = refusal_of_name(settings.name); !refusal.empty())
+        throw reader.failure("name", refusal);
+    reader.flag("per_piece", settings.per_piece);
+    reader.flag("one_file", settings.one_file);
+    if (settings.per_piece && settings.one_file)
+        throw reader.failure("one_file", "it contradicts per_piece: leave one of them out");
+    read_word(reader, "hulls", settings.hulls, {"godot", "unreal"});
+    reader.flag("rigid_bodies", settings.rigid_bodies);
+    reader.whole("hull_parts", settings.hull_parts, 1, max_hull_parts);
+    if (reader.find("density")) {
+        reader.number("density", settings.density, 0.0, max_density);
+        if (settings.density == 0.0) throw reader.failure("density", "expected a number above 0, kg/m^3, found 0");
+    }
+    reader.text("interior_texture", settings.interior_texture);
+    read_word(reader, "as", settings.as, {"lie", "made"});
+}
+
 void read_picture(JsonReader& reader, PictureOptions& picture) {
     const auto number = [&](const char* key, float& target, double low, double high) {
         double value = target;
@@ -244,6 +298,13 @@ void read_picture(JsonReader& reader, PictureOptions& picture) {
         target = static_cast<float>(value);
     };
     reader.whole("frames", picture.frames, 0, 100'000);
+    reader.whole("every", picture.every, 1, 100'000);
+    if (const Json* size = reader.find("size")) {
+        if (!size->is_array() || size->size() != 2) reader.fail("size", "two numbers [width, height]", *size);
+        picture.width = static_cast<uint32_t>(reader.whole_of("size/0", (*size)[0], min_picture, max_picture));
+        picture.height = static_cast<uint32_t>(reader.whole_of("size/1", (*size)[1], min_picture, max_picture));
+    }
+    read_word(reader, "quality", picture.quality, {"auto", "fast", "best"});
     reader.flag("whole", picture.whole);
     reader.whole("planes", picture.planes, 0, 1'000'000);
     number("explode", picture.explode, 0.0, 10.0);
