@@ -253,8 +253,8 @@ Result<Files> export_model(const std::filesystem::path& file, const Model& model
 }
 
 Result<std::vector<ExportedFile>> export_model_to_memory(const std::string& file, const Model& model,
-                                                         const std::string& name) {
-    return keep_pieces(file, whole_of(model), {}, {.name = name, .source = &model});
+                                                         const std::string& name, bool single_file) {
+    return keep_pieces(file, whole_of(model), {}, {.name = name, .source = &model, .single_file = single_file});
 }
 
 } // namespace brittle::fracture

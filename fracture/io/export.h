@@ -71,6 +71,7 @@ struct ExportOptions {
     std::optional<Material> interior{};    // of the cuts; default: a dark brown. Combined with interior_image
     std::optional<Image> interior_image{}; // base colour of the cuts, repeated every metre
     bool per_piece = false;                // one file per piece: NAME.glb becomes NAME_000.glb, NAME_001.glb, ...
+    bool single_file = false;              // OBJ: without MTL and images; materials keep their names
 
     // The remaining options are for GLB only.
     BodyNames body_names = BodyNames::none;
@@ -138,9 +139,10 @@ class ObjectExport {
 [[nodiscard]] Result<std::vector<std::filesystem::path>>
 export_model(const std::filesystem::path& file, const Model& model, const std::string& name = "mesh");
 
-// Returns the files of a model, as export_pieces_to_memory() does.
+// Returns the files of a model, as export_pieces_to_memory() does. `single_file`: as ExportOptions.
 [[nodiscard]] Result<std::vector<ExportedFile>> export_model_to_memory(const std::string& file, const Model& model,
-                                                                       const std::string& name = "mesh");
+                                                                       const std::string& name = "mesh",
+                                                                       bool single_file = false);
 
 // The extensions that can be exported, in lower case with the dot.
 [[nodiscard]] const std::vector<std::string>& exportable_extensions();

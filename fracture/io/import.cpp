@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <exception>
+#include <initializer_list>
 #include <type_traits>
 #include <utility>
 
@@ -209,6 +210,35 @@ Result<Model> read_model(std::string_view extension, std::span<const std::byte> 
     if (extension == ".3ds") return model_of(read_3ds(bytes));
     if (extension == ".ply") return read_ply(bytes, companions);
     return read_gltf(bytes, companions);
+}
+
+std::string_view extension_of(std::span<const std::byte> bytes) {
+    constexpr size_t max_comment_bytes = size_t{1} << 20; // bytes before the first word of a text
+    const auto number = [&](size_t at) {                  // 32 bits, little endian
+        uint32_t value = 0;
+        for (size_t k = 0; k < 4; ++k) value |= std::to_integer<uint32_t>(bytes[at + k]) << (8 * k);
+        return value;
+    };
+    const std::string_view raw(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    if (raw.starts_with("glTF")) return ".glb";
+    if (raw.starts_with("ply\n") || raw.starts_with("ply\r")) return ".ply";
+    if (bytes.size() > 84 && bytes.size() == 84 + 50 * uint64_t{number(80)}) return ".stl";
+    if (bytes.size() >= 6 && raw.starts_with("MM") && number(2) >= 6 && number(2) <= bytes.size()) return ".3ds";
+    std::string converted;
+    TextCursor cursor(utf8_of(bytes.first(std::min(bytes.size(), max_comment_bytes)), converted));
+    std::string_view word = cursor.token_of_any_line();
+    while (word.starts_with('#')) {
+        cursor.next_line();
+        word = cursor.token_of_any_line();
+    }
+    const auto is_one_of = [&](std::initializer_list<std::string_view> words) {
+        return std::find(words.begin(), words.end(), word) != words.end();
+    };
+    if (word.starts_with('{')) return ".gltf";
+    if (is_one_of({"OFF", "COFF", "NOFF", "CNOFF"})) return ".off";
+    if (lower_case(std::string(word.substr(0, 6))) == "solid") return ".stl";
+    if (is_one_of({"v", "vt", "vn", "vp", "f", "l", "p", "o", "g", "s", "mtllib", "usemtl"})) return ".obj";
+    return {};
 }
 
 const std::vector<std::string>& importable_extensions() {

@@ -51,6 +51,10 @@ namespace brittle::fracture {
 // Reads an image for a material: PNG, JPEG, WebP or KTX2, recognised by its first bytes. Errors as above.
 [[nodiscard]] Result<Image> read_image(const std::filesystem::path& file);
 
+// Returns the extension of the format that the bytes of a mesh file are in, told by how they begin (for binary STL, by
+// their number): ".glb". Empty where no reader knows such a file.
+[[nodiscard]] std::string_view extension_of(std::span<const std::byte> bytes);
+
 // The extensions that can be imported, in lower case with the dot, for help texts: ".obj", ".stl", ...
 [[nodiscard]] const std::vector<std::string>& importable_extensions();
 

@@ -22,9 +22,10 @@ class ObjWriter {
 
     Result<std::vector<OutputFile>> write() {
         name_materials();
-        obj_ = "# Brittle " BRITTLE_VERSION "\nmtllib " + job_.stem + ".mtl\n";
+        obj_ = "# Brittle " BRITTLE_VERSION "\n";
+        if (!job_.options.single_file) obj_ += "mtllib " + job_.stem + ".mtl\n";
         for (const uint32_t p : job_.pieces) write_piece(p);
-        write_library();
+        if (!job_.options.single_file) write_library();
         files_.push_back({"", bytes_of(obj_)});
         return std::move(files_);
     }

@@ -1,8 +1,10 @@
 // The `brittle` program: parses the command line and calls the function of the command.
 
 #include <algorithm>
+#include <cerrno>
 #include <cstddef>
 #include <cstdio>
+#include <cstring>
 #include <exception>
 #include <new>
 #include <numeric>
@@ -96,6 +98,9 @@ void check_options(const CLI::App& command, std::span<const std::string> words) 
     for (const std::string& word : words) {
         if (word == "--") return;
         const std::string name = word.substr(0, word.find('='));
+        if (name.size() > 2 && std::find(names.begin(), names.end(), "-" + name) != names.end())
+            throw Failure(exit_usage, "brittle " + command.get_name() + " has no option "
+                                          + fracture::quoted(std::string_view(name)) + "; did you mean -" + name + "?");
         if (!name.starts_with("--") || std::find(names.begin(), names.end(), name) != names.end()) continue;
         const std::string meant = suggestion(name, names);
         throw Failure(exit_usage,
@@ -127,7 +132,10 @@ int run(int argc, char** argv) {
     } catch (const CLI::ParseError& e) {
         return app.exit(e) == 0 ? exit_success : exit_usage;
     }
-    return command();
+    const int code = command();
+    if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
+        throw Failure(exit_output, std::string("standard output: cannot be written: ") + std::strerror(errno));
+    return code;
 }
 
 } // namespace

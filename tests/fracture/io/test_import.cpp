@@ -6,6 +6,8 @@
 #include <cstring>
 #include <ctime>
 #include <fstream>
+#include <iterator>
+#include <span>
 #include <string>
 
 #include <doctest/doctest.h>
@@ -471,4 +473,42 @@ TEST_CASE("import: messages about PLY files write counts and indices as whole nu
     CHECK(message("2 0 1").find("a list of 2 numbers;") != std::string::npos);
     CHECK(message("3 0 1 7").find("it names vertex 7;") != std::string::npos);
     CHECK(message("3 0 1 -1").find("it names vertex -1;") != std::string::npos);
+}
+
+TEST_CASE("import: the first bytes tell the format, and noise tells none") {
+    const auto told = [](const std::string& text) { return std::string(extension_of(std::as_bytes(std::span(text)))); };
+    CHECK(told("").empty());
+    CHECK(told("#\n# nothing but comments").empty());
+    CHECK(told("plywood").empty());
+    CHECK(told("vx 1 2 3").empty());
+    CHECK(told("glT").empty());
+    CHECK(told(std::string(84, '\0')).empty()); // an STL file without triangles
+    CHECK(told("MM\xff\xff\xff\xff"
+               "12")
+              .empty());
+    CHECK(told("# from a scanner\r\n\r\nv 1 2 3\n") == ".obj");
+    CHECK(told("  mtllib a.mtl") == ".obj");
+    CHECK(told("# off\nCNOFF 1 1 1") == ".off");
+    CHECK(told("Solid of mine\nfacet") == ".stl");
+    CHECK(told("ply\r\nformat ascii 1.0") == ".ply");
+    CHECK(told("\n {\"asset\": {}}") == ".gltf");
+    std::string binary = "solid, says a binary file" + std::string(59, ' ') + std::string(50, '\0');
+    binary[80] = 1;
+    binary[81] = binary[82] = binary[83] = 0;
+    CHECK(told(binary) == ".stl");
+    CHECK(told(std::string("\xff\xfe"
+                           "v\0 \0"
+                           "1\0",
+                           8))
+          == ".obj"); // UTF-16
+    // The corpus: the bytes of each readable file give its ending.
+    size_t files = 0;
+    for (const auto& entry : fs::directory_iterator(meshes)) {
+        if (!entry.is_regular_file() || !import_mesh(entry.path())) continue;
+        CAPTURE(entry.path().string());
+        std::ifstream stream(entry.path(), std::ios::binary);
+        CHECK(told({std::istreambuf_iterator<char>(stream), {}}) == entry.path().extension().string());
+        ++files;
+    }
+    CHECK(files > 5);
 }

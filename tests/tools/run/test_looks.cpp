@@ -311,7 +311,7 @@ TEST_CASE("looks: a large piece, drawn in parts, has corners, too") {
 TEST_CASE("looks: a crate with textures and a cut-out, whole and broken, in both views") {
     if (is_skipped()) return;
     const Folder folder;
-    const std::string file = folder / "crate.glb", plain = folder / "plain.ply"; // which keeps no materials
+    const std::string file = folder / "crate.glb", plain = folder / "plain.stl"; // which keeps no materials
     write_crate(file);
     write_crate(plain);
     const std::string broken = " -n 14 --frames 0 --explode 0.35 --distance 0.8 --elevation 25";

@@ -5,13 +5,15 @@
 
 #include <unistd.h>
 
+#include "tools/brittle/base/console.h"
+
 namespace brittle::tools {
 
 using namespace std::chrono_literals;
 
 Progress::Progress(std::string label)
-    : label_(std::move(label)), terminal_(isatty(STDERR_FILENO) == 1), start_(std::chrono::steady_clock::now()),
-      last_(start_) {}
+    : label_(std::move(label)), terminal_(isatty(STDERR_FILENO) == 1 && !is_quiet()),
+      start_(std::chrono::steady_clock::now()), last_(start_) {}
 
 Progress::~Progress() {
     if (shown_) std::fputs("\r\033[K", stderr);

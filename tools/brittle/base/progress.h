@@ -1,4 +1,4 @@
-// A progress line on standard error: rewritten in place on a terminal, silent elsewhere.
+// A progress line on standard error: rewritten in place on a terminal, silent elsewhere and with --quiet.
 #pragma once
 
 #include <chrono>

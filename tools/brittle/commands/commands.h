@@ -17,7 +17,8 @@ struct FractureCommand {
     FractureOptions fracture;
     ExportSettings files;         // those of `fracture` that have an effect on the output, and the output
     std::string classify = "cpu"; // auto, cpu or gpu
-    std::string report;           // empty: none
+    std::string report;           // file of the JSON; empty: none
+    bool json = false;            // print the JSON instead of the text
 };
 
 struct RenderCommand {
@@ -30,6 +31,7 @@ struct RenderCommand {
     std::string graph; // file of the frame graph, as DOT; empty: none
     std::string classify = "cpu"; // auto, cpu or gpu
     ExportSettings pieces; // files of the pieces at the end of the run, as FractureCommand::files; without output: none
+    bool json = false;     // print JSON instead of text
 };
 
 struct ReplayCommand {
@@ -65,7 +67,8 @@ struct ProfileCommand {
 };
 
 struct InspectCommand {
-    std::string mesh; // or the recipe of a scene
+    std::string mesh;   // or the recipe of a scene
+    std::string format; // as FractureOptions::format
     bool json = false;
     std::string marks;   // GLB file; empty: none
     std::string picture; // PNG file; empty: none
@@ -74,7 +77,9 @@ struct InspectCommand {
 
 struct RepairCommand {
     std::string mesh;
-    std::string output; // file whose ending gives the format
+    std::string format; // as FractureOptions::format
+    std::string output; // file whose ending gives the format; empty for standard output
+    std::string stream; // format of the mesh on standard output, as ExportSettings::stream; empty: none
     fracture::RepairSettings settings;
     bool unite = false; // the parts of the repaired mesh
 };

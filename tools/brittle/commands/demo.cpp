@@ -1,6 +1,5 @@
-#include <cstdio>
-
 #include "engine/core/window.h"
+#include "tools/brittle/base/console.h"
 #include "tools/brittle/base/device_failure.h"
 #include "tools/brittle/base/interrupt.h"
 #include "tools/brittle/commands/commands.h"
@@ -19,7 +18,7 @@ int run_demo(const DemoCommand& command) {
     const auto window =
         must(engine::Window::create({.title = "Brittle", .width = command.view.width, .height = command.view.height}));
     FractureOptions options = command.fracture;
-    for (const std::string& note : expand_level(options)) std::fprintf(stderr, "brittle: %s\n", note.c_str());
+    for (const std::string& note : expand_level(options)) tell("%s", note.c_str());
     const auto object = Object::load(options);
     if (!options.save_recipe.empty()) write_recipe(options.save_recipe, options);
     const std::unique_ptr<engine::Device> device = open_device(command.view);
@@ -27,7 +26,7 @@ int run_demo(const DemoCommand& command) {
         const ClassifyPath path = object->is_scene() ? ClassifyPath::cpu : classify_path(command.classify);
         const Input input = object->is_scene() ? Input{} : object->with_sites(options);
         const ClassifyChoice choice = choose_classifier(path, *device, input, options);
-        std::fprintf(stderr, "brittle: classification on the %s\n", choice.why.c_str());
+        tell("classification on the %s", choice.why.c_str());
         const auto renderer = must(engine::Renderer::create(*device, renderer_settings(command.view)));
         const float scale = command.ui_scale > 0.0 ? static_cast<float>(command.ui_scale) : window->content_scale();
         must(renderer->attach(*window, [scale] { apply_style(scale); }));

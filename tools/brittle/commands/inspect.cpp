@@ -7,6 +7,7 @@
 #include "engine/core/bitmap.h"
 #include "fracture/doctor/inspect.h"
 #include "fracture/io/export.h"
+#include "tools/brittle/base/console.h"
 #include "tools/brittle/base/device_failure.h"
 #include "tools/brittle/commands/commands.h"
 #include "tools/brittle/commands/inspect_objects.h"
@@ -145,8 +146,8 @@ int inspect_scene(const InspectCommand& command) {
     if (command.json)
         std::printf("%s\n", text_of({{"scene", command.mesh}, {"objects", to_json(objects, true)}}, 2).c_str());
     else
-        std::printf("%s: %zu objects\n%s", command.mesh.c_str(), objects.size(), describe(objects, true).c_str());
-    for (const std::string& note : scene.notes) std::fprintf(stderr, "brittle: %s\n", note.c_str());
+        print_report("%s: %zu objects\n%s", command.mesh.c_str(), objects.size(), describe(objects, true).c_str());
+    for (const std::string& note : scene.notes) tell("%s", note.c_str());
     const bool breaks_as_told = std::ranges::none_of(scene.objects, &LoadedObject::refused)
                                 && std::ranges::all_of(objects, [](const InspectedObject& object) {
                                        return object.kind == "fixed" || object.refusal.empty();
@@ -158,7 +159,7 @@ int inspect_scene(const InspectCommand& command) {
 
 int run_inspect(const InspectCommand& command) {
     if (command.mesh.ends_with(".json")) return inspect_scene(command);
-    const Input input = load_mesh_only(command.mesh);
+    const Input input = load_mesh_only(command.mesh, false, program_host(), command.format);
     const fracture::Inspection inspection = fracture::inspect(input.model.mesh);
     const bool is_readable = inspection.topology.vertices > 0;
     std::string seen;
@@ -180,12 +181,12 @@ int run_inspect(const InspectCommand& command) {
         json["objects"] = to_json(objects, false);
         seen += "  nodes      " + std::to_string(objects.size()) + "; a level makes an object of each\n";
         seen += describe(objects, false);
-        for (const std::string& note : nodes->notes) std::fprintf(stderr, "brittle: %s\n", note.c_str());
+        for (const std::string& note : nodes->notes) tell("%s", note.c_str());
     }
     if (command.json)
         std::printf("%s\n", text_of(json, 2).c_str());
     else
-        std::printf("%s\n%s%s", input.name.c_str(), describe(inspection).c_str(), seen.c_str());
+        print_report("%s\n%s%s", input.name.c_str(), describe(inspection).c_str(), seen.c_str());
     return inspection.refusal ? exit_mesh : exit_success;
 }
 

@@ -14,8 +14,20 @@
 
 namespace brittle::tools {
 
+// The help lists the options that are added from now on under this heading.
+void start_group(CLI::App& command, const std::string& heading);
+
 // The help of a positional MESH, with all file endings and shapes.
 [[nodiscard]] std::string mesh_help();
+// --format, of a mesh on standard input.
+void add_format_option(CLI::App& command, std::string& format);
+// Refuses --format without the mesh "-", and the mesh "-" with options whose files would have to name it. After parsing.
+void check_standard_input(const CLI::App& command, const std::string& mesh);
+// Refuses the mesh "-", for commands that read a mesh several times. After parsing.
+void refuse_standard_input(const CLI::App& command, const std::string& mesh);
+
+// --quiet, --json unless null, and --help under a heading of their own. After all other options.
+void add_general_options(CLI::App& command, bool* json);
 
 // Mesh, recipe, pattern, sites and algorithm.
 void add_fracture_options(CLI::App& command, FractureOptions& options);
@@ -23,7 +35,7 @@ void add_fracture_options(CLI::App& command, FractureOptions& options);
 void add_pieces_option(CLI::App& command, FractureOptions& options);
 // The physics of the pieces after the fracture.
 void add_world_options(CLI::App& command, WorldOptions& world);
-// Size, device, quality and validation of pictures or a window.
+// Size and quality of pictures or a window, device and validation.
 void add_view_options(CLI::App& command, ViewOptions& view);
 void add_threads_option(CLI::App& command, uint32_t& threads);
 void add_classify_option(CLI::App& command, std::string& processor);
@@ -35,10 +47,15 @@ void add_export_options(CLI::App& command, ExportSettings& files);
 void add_state_export(CLI::App& command, std::string& output, ExportSettings& pieces);
 // Whether the command line gives an option, after parsing. The command must outlive the function.
 [[nodiscard]] std::function<bool(const std::string& option)> given_options(const CLI::App& command);
-// Returns the settings that have an effect on the file (piece_export.h), and tells of those of a recipe that have none.
+// Returns the settings that have an effect on `files`, which has the output or the stream (piece_export.h), and tells of
+// those of a recipe that have none.
 [[nodiscard]] ExportSettings settle_export(const CLI::App& command, const ExportSettings& settings,
-                                           const std::string& output, const std::string& output_option);
+                                           const ExportSettings& files, const std::string& output_option);
 // Refuses a file whose ending names no format that pieces can be written in.
 [[nodiscard]] std::string check_export_ending(const std::string& file);
+// -o, a file or "-", and --output-format, to `output` and `stream` as in ExportSettings.
+void add_output_options(CLI::App& command, std::string& output, std::string& stream, const std::string& help);
+// Makes the output "-" a stream, and refuses --output-format for a file. After parsing.
+void settle_output(const CLI::App& command, std::string& output, std::string& stream, bool json);
 
 } // namespace brittle::tools

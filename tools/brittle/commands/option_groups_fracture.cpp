@@ -31,6 +31,7 @@ void add_vector_option(CLI::App& command, const char* name, glm::dvec3& target, 
 }
 
 void add_mesh_options(CLI::App& command, FractureOptions& options) {
+    start_group(command, "Mesh and recipe");
     command
         .add_option_function<std::string>(
             "--recipe", [&options](const std::string& file) { read_recipe(file, options); },
@@ -68,6 +69,7 @@ bool names_recipe(const CLI::App& command) {
 
 // --material comes before --pattern and its shape, which override it.
 void add_pattern_options(CLI::App& command, FractureOptions& options) {
+    start_group(command, "Material and pattern");
     fracture::Pattern& pattern = options.pattern;
     auto* count =
         command
@@ -144,6 +146,7 @@ void place_inside_by_default(const CLI::App& command, fracture::Pattern& pattern
 }
 
 void add_site_options(CLI::App& command, FractureOptions& options) {
+    start_group(command, "Sites and blows");
     command
         .add_option("--sites", options.sites_file,
                     "File of sites to use instead of a pattern: one line `x y z` for each, or `x y z radius` for cells "
@@ -193,6 +196,7 @@ glm::dvec3 parse_grain(const std::vector<double>& v) {
 
 // These come after --material, whose roughness they override.
 void add_roughness_options(CLI::App& command, FractureOptions& options) {
+    start_group(command, "Rough cuts");
     fracture::Roughness& rough = options.rough;
     command
         .add_option("--roughness", rough.amount,
@@ -229,6 +233,7 @@ void adapt_roughness_of_material(const CLI::App& command, FractureOptions& optio
 }
 
 void add_algorithm_options(CLI::App& command, FractureOptions& options) {
+    start_group(command, "Repair and algorithm");
     command.add_flag("--repair", options.repair,
                      "Repair the mesh first, as `brittle repair` does, and print what was done");
     command.add_flag("--unite", options.unite,
@@ -250,7 +255,6 @@ void add_algorithm_options(CLI::App& command, FractureOptions& options) {
                     "contact area.")
         ->check(non_negative_number())
         ->capture_default_str();
-    add_threads_option(command, options.threads);
 }
 
 } // namespace
@@ -261,10 +265,12 @@ std::string mesh_help() {
     std::string shapes;
     for (const std::string_view s : fracture::shape_names())
         shapes.append(shapes.empty() ? "shape:" : " shape:").append(s);
-    return "Triangle mesh: a file (" + endings + ") or a shape that is built in (" + shapes + ")";
+    return "Triangle mesh: a file (" + endings + "), - for standard input, or a shape that is built in (" + shapes
+           + ")";
 }
 
 void add_pieces_option(CLI::App& command, FractureOptions& options) {
+    start_group(command, "Mesh and recipe");
     command
         .add_option(
             "--pieces-from", options.pieces_from,

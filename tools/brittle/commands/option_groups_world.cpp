@@ -104,6 +104,7 @@ void add_air_and_crowd_options(CLI::App& command, WorldOptions& world) {
 } // namespace
 
 void add_world_options(CLI::App& command, WorldOptions& world) {
+    start_group(command, "Physics");
     add_engine_option(command, world);
     add_bond_options(command, world);
     add_breaking_options(command, world);

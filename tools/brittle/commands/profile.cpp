@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "fracture/io/atomic_file.h"
+#include "tools/brittle/base/console.h"
 #include "tools/brittle/base/interrupt.h"
 #include "tools/brittle/commands/commands.h"
 #include "tools/brittle/profile/compare.h"
@@ -77,7 +78,7 @@ int run_profile(const ProfileCommand& command) {
     const std::string json = text_of(profile, 2) + "\n";
     if (command.json) {
         std::fputs(json.c_str(), stdout);
-    } else {
+    } else if (!is_quiet()) {
         print_profile(profile);
         if (comparison) print_comparison(*comparison);
     }

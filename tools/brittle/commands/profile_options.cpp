@@ -58,7 +58,6 @@ void add_repetitions(CLI::App& profile, ProfilePlan& plan) {
 }
 
 void add_outputs(CLI::App& profile, ProfileCommand& command) {
-    profile.add_flag("--json", command.json, "Print JSON instead of a table");
     profile.add_option("-o,--output", command.output, "File for the JSON")->type_name("FILE.json");
     profile.add_option("--csv", command.csv, "File for a table with one line per phase")->type_name("FILE.csv");
     profile.add_option("--trace", command.trace, "File for a time line that Perfetto (ui.perfetto.dev) shows")
@@ -80,15 +79,29 @@ void add_profile(CLI::App& app, Run& run) {
     const auto command = std::make_shared<ProfileCommand>();
     CLI::App& profile = *app.add_subcommand(
         "profile", "Measure fractures and frames, compare with an earlier profile, write a time line");
+    start_group(profile, "Scenarios");
     add_scenario_file(profile, command->plan);
     add_fracture_options(profile, command->fracture);
+    start_group(profile, "Scenarios");
     add_scenario_lists(profile, command->lists);
     add_repetitions(profile, command->plan);
+    start_group(profile, "Output");
     add_outputs(profile, *command);
     add_view_options(profile, command->view);
+    add_threads_option(profile, command->fracture.threads);
+    add_general_options(profile, &command->json);
     profile.footer("The exit code is 7 if --compare finds the total of a fracture, or the frames before or after it, "
-                   "slower.");
-    profile.callback([&run, command] { run = [command] { return run_profile(*command); }; });
+                   "slower.\n\n"
+                   "Examples:\n"
+                   "  brittle profile bunny.obj -n 100 -o before.json\n"
+                   "  brittle profile bunny.obj -n 100 --compare before.json\n"
+                   "  brittle profile bunny.obj --counts 10,100,1000 --classify cpu,gpu --frames 0\n"
+                   "  brittle profile bunny.obj -n 1000 --trace frames.json");
+    profile.callback([&run, &profile, command] {
+        refuse_standard_input(profile, command->fracture.mesh);
+        for (const std::string& mesh : command->lists.meshes) refuse_standard_input(profile, mesh);
+        run = [command] { return run_profile(*command); };
+    });
 }
 
 } // namespace brittle::tools

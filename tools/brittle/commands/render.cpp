@@ -1,17 +1,23 @@
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <utility>
+#include <vector>
+
+#include <nlohmann/json.hpp>
 
 #include "fracture/io/atomic_file.h"
 #include "physics/bonds/anchor.h"
 #include "physics/material.h"
+#include "tools/brittle/base/console.h"
 #include "tools/brittle/base/device_failure.h"
 #include "tools/brittle/base/interrupt.h"
 #include "tools/brittle/base/progress.h"
 #include "tools/brittle/commands/commands.h"
+#include "tools/brittle/commands/report.h"
 #include "tools/brittle/pictures/film.h"
 #include "tools/brittle/pictures/picture.h"
 #include "tools/brittle/pictures/view.h"
@@ -19,6 +25,8 @@
 #include "tools/brittle/stage/loading.h"
 #include "tools/brittle/stage/stage.h"
 #include "tools/scenario/base/failure.h"
+#include "tools/scenario/base/stopwatch.h"
+#include "tools/scenario/recipe/json_reader.h"
 #include "tools/scenario/recipe/recipe.h"
 #include "tools/scenario/replay/recorder.h"
 #include "tools/scenario/run/scene.h"
@@ -27,6 +35,8 @@
 namespace brittle::tools {
 
 namespace {
+
+using Json = nlohmann::ordered_json;
 
 // Refuses outputs that need a fracture and its motion together with pictures that have neither.
 void check_run(const RenderCommand& command) {
@@ -48,18 +58,16 @@ void name_idle_anchors(const fracture::TriangleMesh& on_stage, const WorldOption
         const physics::AnchorRegion ball =
             physics::Ball{anchor.at + glm::dvec3(0.0, foot_height(world), 0.0), anchor.radius};
         if (physics::reaches({&ball, 1}, on_stage.positions, on_stage.triangles)) continue;
-        std::fprintf(
-            stderr,
-            "brittle: the anchor at (%g, %g, %g), radius %g, touches no part of the mesh; its coordinates are metres "
-            "from the middle of the mesh's foot, with the mesh 2 m long\n",
-            anchor.at.x, anchor.at.y, anchor.at.z, anchor.radius);
+        tell("the anchor at (%g, %g, %g), radius %g, touches no part of the mesh; its coordinates are metres from the "
+             "middle of the mesh's foot, with the mesh 2 m long",
+             anchor.at.x, anchor.at.y, anchor.at.z, anchor.radius);
     }
 }
 
 // Warns of a limit on pieces in a world without debris.
 void name_idle_limit(const WorldOptions& world) {
     if (world.breakable || world.piece_limit == WorldOptions{}.piece_limit) return;
-    std::fputs("brittle: --piece-limit has no effect: pieces are removed in a breakable world only\n", stderr);
+    tell("--piece-limit has no effect: pieces are removed in a breakable world only");
 }
 
 // Warns of the size of bricks in a world in which no blow takes out bricks.
@@ -70,10 +78,8 @@ void name_idle_brick(const WorldOptions& world, const std::string& material) {
     const bool of_material = starts_whole(world) && preset && preset->pattern.kind == fracture::PatternKind::bricks;
     if (world.blows ? world.blows->kind == fracture::PatternKind::bricks && world.blows->diagram.empty() : of_material)
         return;
-    std::fputs(
-        "brittle: the recipe's world/brick has no effect: blows take out bricks in a world that is breakable and "
-        "not bonded, with the material brick or the pattern bricks\n",
-        stderr);
+    tell("the recipe's world/brick has no effect: blows take out bricks in a world that is breakable and not bonded, "
+         "with the material brick or the pattern bricks");
 }
 
 void warn_of_idle_options(const RenderCommand& command, const Input& on_stage, const WorldOptions& world) {
@@ -87,7 +93,7 @@ std::shared_ptr<const fracture::Fragments> break_on_stage(const RenderCommand& c
                                                           const WorldOptions& world, engine::Device& device,
                                                           Stage& stage) {
     const ClassifyChoice choice = choose_classifier(classify_path(command.classify), device, input, command.fracture);
-    if (command.classify != "cpu") std::fprintf(stderr, "brittle: classification on the %s\n", choice.why.c_str());
+    if (command.classify != "cpu") tell("classification on the %s", choice.why.c_str());
     Progress progress("fracturing " + input.name);
     Broken broken = break_input(
         input, command.fracture, [&](double share) { progress.update(share); }, choice.classifier.get(),
@@ -100,7 +106,7 @@ std::shared_ptr<const fracture::Fragments> break_on_stage(const RenderCommand& c
 std::shared_ptr<const MeshLooks> load_looks(const Input& source, const Input& on_stage, const PictureOptions& picture) {
     std::vector<std::string> notes = wants_looks(picture) ? source.model.notes : std::vector<std::string>();
     std::shared_ptr<const MeshLooks> looks = looks_for(source.model, on_stage.model.mesh, picture, notes);
-    for (const std::string& note : notes) std::fprintf(stderr, "brittle: %s: %s\n", source.name.c_str(), note.c_str());
+    for (const std::string& note : notes) tell("%s: %s", source.name.c_str(), note.c_str());
     return looks;
 }
 
@@ -129,6 +135,47 @@ void write_graph(const RenderCommand& command, const engine::Renderer& renderer)
     must(fracture::write_file_atomically(command.graph, std::as_bytes(std::span(dot))));
 }
 
+// What was written besides pictures, for the report.
+struct Done {
+    std::string name;                             // of the mesh, or the number of objects
+    size_t objects = 0;                           // of a scene; 0: one mesh
+    size_t pieces = 0;                            // in the files below
+    std::vector<std::filesystem::path> exports{}; // the one to open first
+};
+
+// Keys: mesh or objects, device, frames, simulated_seconds, seconds (how long the command took), written {pictures, ids,
+// video, export, record, graph, recipe}, each where it was asked for, pieces (in the export), recipe.
+Json report_json(const RenderCommand& command, const Done& done, const Film& film, uint32_t frames,
+                 const engine::Device& device, const Stopwatch& stopwatch) {
+    Json json = done.objects > 0 ? Json{{"objects", done.objects}} : Json{{"mesh", done.name}};
+    json["device"] = device.info().name;
+    json["frames"] = frames;
+    json["simulated_seconds"] = frames * film_frame_seconds;
+    json["seconds"] = stopwatch.milliseconds() / 1000.0;
+    Json& written = json["written"] = Json::object();
+    if (!film.pictures().empty()) written["pictures"] = film.pictures();
+    if (!film.ids().empty()) written["ids"] = film.ids();
+    if (!command.video.empty()) written["video"] = command.video;
+    for (const std::filesystem::path& file : done.exports) written["export"].push_back(file.string());
+    if (!command.record.empty()) written["record"] = command.record;
+    if (!command.graph.empty()) written["graph"] = command.graph;
+    if (!command.fracture.save_recipe.empty()) written["recipe"] = command.fracture.save_recipe;
+    if (!done.exports.empty()) json["pieces"] = done.pieces;
+    json["recipe"] = Json::parse(recipe_json(command.fracture));
+    return json;
+}
+
+void report(const RenderCommand& command, const Done& done, const Film& film, uint32_t frames,
+            const engine::Device& device, const Stopwatch& stopwatch) {
+    if (command.json) {
+        std::printf("%s\n", text_of(report_json(command, done, film, frames, device, stopwatch), 2).c_str());
+        return;
+    }
+    std::string text = film.summary();
+    if (!done.exports.empty()) text += (text.empty() ? "" : ", and ") + written_text(done.pieces, done.exports);
+    print_report("%s: %s on %s\n", done.name.c_str(), text.c_str(), device.info().name.c_str());
+}
+
 // Refuses what a scene cannot show, and warns of options of one mesh, which its objects have themselves.
 void check_scene_options(const RenderCommand& command) {
     check_export_of_scene(command.fracture, command.pieces);
@@ -152,13 +199,12 @@ void check_scene_options(const RenderCommand& command) {
         world.joints.clear();
     }
     if (recipe_json(rest) != recipe_json(plain))
-        std::fputs("brittle: options of one mesh, such as --material and --pieces, have no effect on a scene; its "
-                   "recipe has them for each object\n",
-                   stderr);
+        tell("options of one mesh, such as --material and --pieces, have no effect on a scene; its recipe has them for "
+             "each object");
 }
 
 // Loads a scene, puts it on a stage and draws it.
-int render_scene(const RenderCommand& command, const FilmOptions& film_options) {
+int render_scene(const RenderCommand& command, const FilmOptions& film_options, const Stopwatch& stopwatch) {
     const PictureOptions& picture = command.fracture.picture;
     check_scene_options(command);
     const Host host = drawing_host();
@@ -177,7 +223,7 @@ int render_scene(const RenderCommand& command, const FilmOptions& film_options) 
         stage.stand(prepare_scene(scene, host, payload_maker(*renderer), [&](double share) { progress.update(share); }),
                     scene.world);
     }
-    for (const std::string& note : scene.notes) std::fprintf(stderr, "brittle: %s\n", note.c_str());
+    for (const std::string& note : scene.notes) tell("%s", note.c_str());
     stage.show_hulls(picture.hulls);
     stage.explode(picture.explode);
     stage.colour_by(picture.colours);
@@ -185,12 +231,12 @@ int render_scene(const RenderCommand& command, const FilmOptions& film_options) 
     draw_frames(film, stage, picture.frames);
     if (recorder) recorder->finish();
     write_graph(command, *renderer);
-    std::string done = film.summary();
+    Done done{.name = std::to_string(scene.objects.size()) + " objects", .objects = scene.objects.size()};
     if (const ExportSettings& files = command.pieces; !files.output.empty()) {
-        const size_t pieces = write_scene_state(files, pieces_as(command.pieces.as), scene, stage.simulation());
-        done += (done.empty() ? "" : ", and ") + written_text(pieces, {files.output});
+        done.pieces = write_scene_state(files, pieces_as(command.pieces.as), scene, stage.simulation());
+        done.exports = {files.output};
     }
-    std::printf("%zu objects: %s on %s\n", scene.objects.size(), done.c_str(), device->info().name.c_str());
+    report(command, done, film, picture.frames, *device, stopwatch);
     check_validation(*device);
     return exit_success;
 }
@@ -198,13 +244,14 @@ int render_scene(const RenderCommand& command, const FilmOptions& film_options) 
 } // namespace
 
 int run_render(const RenderCommand& command) {
+    const Stopwatch stopwatch;
     const PictureOptions& picture = command.fracture.picture;
     const FilmOptions film_options{
         .output = command.output, .ids = command.ids, .every = picture.every, .video = command.video};
     check_film(film_options);
     check_run(command);
     catch_interrupts();
-    if (is_scene(command.fracture)) return render_scene(command, film_options);
+    if (is_scene(command.fracture)) return render_scene(command, film_options, stopwatch);
     const bool exports = !command.pieces.output.empty();
     const Input source = open_input(command.fracture, exports || wants_looks(picture)),
                 input = placed_on_stage(source, command.fracture.world);
@@ -228,17 +275,18 @@ int run_render(const RenderCommand& command) {
     show_extras(picture, input, stage);
 
     Film film(*renderer, film_options, picture, command.view, stage.home_bounds());
-    draw_frames(film, stage, picture.whole ? 0 : picture.frames);
+    const uint32_t frames = picture.whole ? 0 : picture.frames;
+    draw_frames(film, stage, frames);
     if (recorder) recorder->finish();
     write_graph(command, *renderer);
-    std::string done = film.summary();
+    Done done{.name = input.name};
     if (exports) {
         const Snapshot state = snapshot(stage.simulation(), fragments);
-        const auto files = write_state(command.pieces, pieces_as(command.pieces.as), command.fracture, source, state);
-        done += (done.empty() ? "" : ", and ") + written_text(state.pieces.size(), files);
-        print_split_note(command.pieces.files, files);
+        done.pieces = state.pieces.size();
+        done.exports = write_state(command.pieces, pieces_as(command.pieces.as), command.fracture, source, state);
+        print_split_note(command.pieces, done.exports);
     }
-    std::printf("%s: %s on %s\n", input.name.c_str(), done.c_str(), device->info().name.c_str());
+    report(command, done, film, frames, *device, stopwatch);
     check_validation(*device);
     return exit_success;
 }

@@ -12,6 +12,7 @@ namespace {
 
 // The contents of a picture, as in the "picture" of a recipe.
 void add_picture_options(CLI::App& render, PictureOptions& picture) {
+    start_group(render, "Pictures");
     render.add_flag("--whole", picture.whole, "Draw the unbroken mesh at rest");
     render.add_option("--planes", picture.planes,
                       "Cut out only the cell of the first site, by this many of its planes");
@@ -49,6 +50,7 @@ void add_picture_options(CLI::App& render, PictureOptions& picture) {
 }
 
 void add_frame_options(CLI::App& render, RenderCommand& command) {
+    start_group(render, "Output");
     render
         .add_option("--frames", command.fracture.picture.frames,
                     "Number of frames to simulate after the first picture, at 60 per second")
@@ -66,6 +68,7 @@ void add_frame_options(CLI::App& render, RenderCommand& command) {
 }
 
 void add_other_outputs(CLI::App& render, RenderCommand& command) {
+    start_group(render, "Output");
     render
         .add_option("--video", command.video,
                     "File for a video of all frames, made by the program ffmpeg. With --video or --export, pictures "
@@ -102,9 +105,9 @@ void settle_pieces(const CLI::App& render, RenderCommand& command) {
     ExportSettings exports = command.fracture.exports;
     std::string& shown = command.fracture.picture.interior_texture;
     if (render.count("--interior-texture") > 0 || shown.empty()) shown = exports.interior_texture;
-    const std::string& output = command.pieces.output;
+    const std::string output = command.pieces.output;
     if (!output.ends_with(".glb") && !output.ends_with(".obj")) exports.interior_texture.clear();
-    command.pieces = settle_export(render, exports, output, "--export");
+    command.pieces = settle_export(render, exports, {.output = output}, "--export");
 }
 
 } // namespace
@@ -115,13 +118,25 @@ void add_render(CLI::App& app, Run& run) {
         *app.add_subcommand("render", "Break a mesh, simulate the pieces and write pictures. Needs no display.");
     add_fracture_options(render, command->fracture);
     add_pieces_option(render, command->fracture);
+    add_format_option(render, command->fracture.format);
     add_frame_options(render, *command);
     add_picture_options(render, command->fracture.picture);
     add_other_outputs(render, *command);
     add_world_options(render, command->fracture.world);
-    add_classify_option(render, command->classify);
     add_view_options(render, command->view);
+    add_threads_option(render, command->fracture.threads);
+    add_classify_option(render, command->classify);
+    add_general_options(render, &command->json);
+    render.footer(
+        "Examples:\n"
+        "  brittle render bunny.obj -n 50 -o fall_%04d.png\n"
+        "  brittle render shape:wall --material brick --bonded --anchored --shot 0,0.8,4,0,1,-30,0.15 --video "
+        "hit.mp4\n"
+        "  brittle render vase.glb --material ceramic --breakable --export rubble.glb\n"
+        "  brittle render assets/worlds/room_with_a_view.json -o room_%03d.png --quality best\n"
+        "  brittle render bunny.obj --record run.log --export end.glb --json");
     render.callback([&run, &render, command] {
+        check_standard_input(render, command->fracture.mesh);
         const bool has_other_output = !command->video.empty() || !command->pieces.output.empty();
         if (has_other_output && render.count("--output") == 0) command->output.clear();
         settle_view(render, command->fracture.picture, command->view);

@@ -10,11 +10,13 @@ void add_repair(CLI::App& app, Run& run) {
     const auto command = std::make_shared<RepairCommand>();
     CLI::App& repair = *app.add_subcommand(
         "repair", "Repair a mesh: weld cracks, drop duplicates, orient faces, close holes, split non-manifold edges");
+    start_group(repair, "Mesh");
     repair.add_option("mesh", command->mesh, mesh_help())->required()->type_name("MESH");
-    repair.add_option("-o,--output", command->output, "File for the repaired mesh: .glb, .obj, .ply or .stl")
-        ->required()
-        ->check(check_export_ending)
-        ->type_name("FILE");
+    add_format_option(repair, command->format);
+    start_group(repair, "Output");
+    add_output_options(repair, command->output, command->stream,
+                       "File for the repaired mesh: .glb, .obj, .ply or .stl.");
+    start_group(repair, "Repair");
     repair
         .add_option("--weld", command->settings.weld_distance,
                     "Distance within which vertices on the rims of holes are merged, metres. The default is a "
@@ -42,9 +44,19 @@ void add_repair(CLI::App& app, Run& run) {
     repair.add_flag("--unite", command->unite,
                     "Unite parts that pass through each other: the result is the surface around all of them, without "
                     "walls inside. A surface that passes through itself is united, too.");
+    add_general_options(repair, nullptr);
     repair.footer(
-        "The exit code is 0 if the result can be fractured, and 4 if it cannot. A sound mesh stays as it is.");
-    repair.callback([&run, command] { run = [command] { return run_repair(*command); }; });
+        "The exit code is 0 if the result can be fractured, and 4 if it cannot. A sound mesh stays as it is.\n\n"
+        "Examples:\n"
+        "  brittle repair scan.stl -o sound.glb\n"
+        "  brittle repair scan.stl --weld 0.001 --remesh-holes smooth -o sound.ply\n"
+        "  brittle repair --unite rifle.obj -o one.glb\n"
+        "  brittle repair - -o - < scan.ply | brittle fracture - -n 50 -o pieces.glb");
+    repair.callback([&run, &repair, command] {
+        check_standard_input(repair, command->mesh);
+        settle_output(repair, command->output, command->stream, false);
+        run = [command] { return run_repair(*command); };
+    });
 }
 
 } // namespace brittle::tools

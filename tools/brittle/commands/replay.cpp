@@ -2,10 +2,12 @@
 #include <memory>
 #include <optional>
 
+#include "tools/brittle/base/console.h"
 #include "tools/brittle/base/device_failure.h"
 #include "tools/brittle/base/interrupt.h"
 #include "tools/brittle/base/progress.h"
 #include "tools/brittle/commands/commands.h"
+#include "tools/brittle/commands/report.h"
 #include "tools/brittle/pictures/film.h"
 #include "tools/brittle/pictures/view.h"
 #include "tools/brittle/stage/loading.h"
@@ -53,13 +55,13 @@ void write_pieces_of(const Replayed& replayed, const Player& player, const Simul
     if (pieces.output.empty() || player.difference()) return;
     if (run.of_scene()) {
         const size_t written = write_scene_state(pieces, pieces_as(pieces.as), run.scene, simulation);
-        std::printf("%s: %s\n", run.name().c_str(), written_text(written, {pieces.output}).c_str());
+        print_report("%s: %s\n", run.name().c_str(), written_text(written, {pieces.output}).c_str());
         return;
     }
     const Snapshot state = snapshot(simulation, run.fragments);
     const auto files = write_state(pieces, pieces_as(pieces.as), run.recipe, run.source, state);
-    std::printf("%s: %s\n", run.source.name.c_str(), written_text(state.pieces.size(), files).c_str());
-    print_split_note(pieces.files, files);
+    print_report("%s: %s\n", run.source.name.c_str(), written_text(state.pieces.size(), files).c_str());
+    print_split_note(pieces, files);
 }
 
 // Replays without a device and stops at the first difference.
@@ -110,7 +112,7 @@ void draw(Replayed& replayed, Player& player) {
         progress.update(static_cast<double>(stage.simulation().steps()) / static_cast<double>(log.states.size()));
     }
     film.finish();
-    std::printf("%s: %s on %s\n", run.name().c_str(), film.summary().c_str(), device->info().name.c_str());
+    print_report("%s: %s on %s\n", run.name().c_str(), film.summary().c_str(), device->info().name.c_str());
     check_validation(*device);
 }
 
@@ -138,8 +140,8 @@ int run_replay(const ReplayCommand& command) {
                          other.c_str());
         return exit_differs;
     }
-    std::printf("%s: %zu steps, all equal; %zu actions, %s\n", command.log.c_str(), steps, log.actions.size(),
-                log.end.c_str());
+    print_report("%s: %zu steps, all equal; %zu actions, %s\n", command.log.c_str(), steps, log.actions.size(),
+                 log.end.c_str());
     return exit_success;
 }
 

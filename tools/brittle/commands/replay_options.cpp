@@ -10,7 +10,9 @@ void add_replay(CLI::App& app, Run& run) {
     const auto command = std::make_shared<ReplayCommand>();
     CLI::App& replay =
         *app.add_subcommand("replay", "Repeat a recorded run without a display and compare the state after each step");
+    start_group(replay, "Log");
     replay.add_option("log", command->log, "Log that --record wrote")->required()->type_name("FILE.log");
+    start_group(replay, "Output");
     replay
         .add_option("--render", command->pictures,
                     "Name of pictures of the run. %04d stands for the number of the frame.")
@@ -20,12 +22,17 @@ void add_replay(CLI::App& app, Run& run) {
         ->capture_default_str();
     replay.add_option("--video", command->video, "File for a video of the run, made by the program ffmpeg")
         ->type_name("FILE.mp4");
-    add_threads_option(replay, command->threads);
     add_state_export(replay, command->pieces.output, command->pieces);
     // Pictures and videos may run past the last step of the log, so the state at their end is not that of the log.
     replay.get_option("--export")->excludes("--render")->excludes("--video");
     add_view_options(replay, command->view);
-    replay.footer("The exit code is 0 if all states equal the recorded ones, and 8 if one differs.");
+    add_threads_option(replay, command->threads);
+    add_general_options(replay, nullptr);
+    replay.footer("The exit code is 0 if all states equal the recorded ones, and 8 if one differs.\n\n"
+                  "Examples:\n"
+                  "  brittle replay run.log\n"
+                  "  brittle replay run.log --render run_%04d.png --every 2\n"
+                  "  brittle replay run.log --export rubble.glb --quiet");
     replay.callback([&run, command] { run = [command] { return run_replay(*command); }; });
 }
 

@@ -1,5 +1,4 @@
 #include "tools/brittle/commands/report.h"
-#include "tools/scenario/recipe/json_reader.h"
 
 #include <cinttypes>
 #include <cstdarg>
@@ -8,6 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "fracture/io/certificate_json.h"
+#include "tools/brittle/base/console.h"
+#include "tools/scenario/recipe/json_reader.h"
 
 namespace brittle::tools {
 
@@ -87,10 +88,8 @@ std::string report_json(const Input& input, const Broken& broken, const std::str
 
 void print_split_note(const ExportSettings& settings, const std::vector<std::filesystem::path>& files) {
     if (settings.per_piece || files.size() < 2) return;
-    std::fprintf(stderr,
-                 "brittle: %s: STL does not tell pieces apart, so each piece has a file of its own; --one-file joins "
-                 "them\n",
-                 settings.output.c_str());
+    tell("%s: STL does not tell pieces apart, so each piece has a file of its own; --one-file joins them",
+         settings.output.c_str());
 }
 
 } // namespace brittle::tools

@@ -38,13 +38,13 @@ void Film::frame(Stage& stage, uint32_t number, bool last) {
     const engine::Bitmap image = must(renderer_.render(scene, {view_.width, view_.height}));
     if (video_) video_->add(image);
     if (!wanted) return;
-    last_ = picture_name(options_.output, number);
-    must(engine::write_png(image, last_));
+    pictures_.push_back(picture_name(options_.output, number));
+    must(engine::write_png(image, pictures_.back()));
     if (!options_.ids.empty()) {
         const engine::IdImage ids = must(renderer_.render_ids(scene, {view_.width, view_.height}));
-        must(engine::write_png(id_picture(ids), picture_name(options_.ids, number)));
+        ids_.push_back(picture_name(options_.ids, number));
+        must(engine::write_png(id_picture(ids), ids_.back()));
     }
-    ++pictures_;
 }
 
 void Film::finish() {
@@ -53,8 +53,9 @@ void Film::finish() {
 
 std::string Film::summary() const {
     std::string text;
-    if (pictures_ > 0)
-        text = std::to_string(pictures_) + (pictures_ == 1 ? " picture, " : " pictures, the last ") + last_;
+    if (!pictures_.empty())
+        text = std::to_string(pictures_.size()) + (pictures_.size() == 1 ? " picture, " : " pictures, the last ")
+               + pictures_.back();
     if (video_) text += (text.empty() ? "" : ", and ") + options_.video;
     return text;
 }

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "engine/render/renderer.h"
 #include "tools/brittle/pictures/picture.h"
@@ -39,7 +40,9 @@ class Film {
     // Completes the video.
     void finish();
 
-    [[nodiscard]] uint32_t pictures() const { return pictures_; }
+    // The files written so far, in order.
+    [[nodiscard]] const std::vector<std::string>& pictures() const { return pictures_; }
+    [[nodiscard]] const std::vector<std::string>& ids() const { return ids_; }
     // Returns a text for people: "12 pictures, the last fall_0110.png, and fall.mp4".
     [[nodiscard]] std::string summary() const;
 
@@ -50,8 +53,7 @@ class Film {
     ViewOptions view_;
     engine::Camera camera_;
     std::unique_ptr<Video> video_;
-    uint32_t pictures_ = 0;
-    std::string last_;
+    std::vector<std::string> pictures_, ids_;
 };
 
 } // namespace brittle::tools

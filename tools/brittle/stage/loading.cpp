@@ -1,15 +1,16 @@
 #include "tools/brittle/stage/loading.h"
 
-#include <cstdio>
-
+#include "tools/brittle/base/console.h"
 #include "tools/brittle/base/interrupt.h"
 #include "tools/brittle/stage/mesh_looks.h"
+#include "tools/brittle/stage/standard_streams.h"
 
 namespace brittle::tools {
 
 Host program_host() {
     return {.cancelled = is_interrupted,
-            .report = [](const std::string& text) { std::fprintf(stderr, "brittle: %s\n", text.c_str()); }};
+            .report = [](const std::string& text) { tell("%s", text.c_str()); },
+            .standard_input = read_standard_mesh};
 }
 
 Host drawing_host() {

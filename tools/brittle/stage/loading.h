@@ -1,5 +1,5 @@
-// Meshes and scenes for the program: Ctrl+C ends their loading within half a second, wherever it is, and what was done
-// to a file is reported on standard error.
+// Meshes and scenes for the program: Ctrl+C ends their loading within half a second, wherever it is, and a note on
+// standard error says what was done to a file.
 //
 //     const Host host = drawing_host();
 //     LoadedScene scene = open_scene(options, host);

@@ -9,8 +9,9 @@
 namespace brittle::tools {
 
 struct ExportSettings {
-    std::string output{};   // file whose ending gives the format; empty: no export. A recipe does not keep it
-    std::string name{};     // of the root node, and the start of each piece's name; empty: the name of the mesh
+    std::string output{}; // file whose ending gives the format; empty: no export. A recipe does not keep it
+    std::string stream{}; // format of one file in memory, in place of `output`: "glb", "obj", "ply" or "stl"; or empty
+    std::string name{};   // of the root node, and the start of each piece's name; empty: the name of the mesh
     bool per_piece = false; // one file per piece
     bool one_file = false;  // one file for all pieces, also in a format that does not tell them apart
     std::string hulls{}; // "godot" or "unreal": the engine that makes bodies of the pieces by their names; may be empty

@@ -38,6 +38,9 @@ struct Host {
     std::function<void(const std::string& text)>
         report{}; // what was done to a file, for people; lines without the last '\n'
     LooksMaker looks{};
+    // Reads the mesh "-", which stands for standard input, in a format such as "glb"; an empty one: told by its bytes.
+    // Without it "-" is the name of a file. Throws a Failure.
+    std::function<fracture::Model(const std::string& format)> standard_input{};
 };
 
 // Throws a Failure with exit_interrupted if the host has cancelled.

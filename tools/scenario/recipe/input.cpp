@@ -27,9 +27,15 @@ namespace brittle::tools {
 namespace {
 
 constexpr std::string_view shape_prefix = "shape:";
+constexpr std::string_view standard_input = "-";
 
-fracture::Model load_model(const std::string& mesh, bool with_looks) {
+fracture::Model load_model(const std::string& mesh, bool with_looks, const Host& host, const std::string& format) {
     fracture::Model model;
+    if (mesh == standard_input && host.standard_input) {
+        model = host.standard_input(format);
+        if (!with_looks) keep_mesh_only(model);
+        return model;
+    }
     if (!mesh.starts_with(shape_prefix)) {
         if (with_looks) return must(fracture::import_model(mesh));
         model.mesh = must(fracture::import_mesh(mesh));
@@ -90,14 +96,14 @@ double metres_of(LengthUnit unit) {
 
 std::string mesh_name(const std::string& mesh) {
     if (mesh.starts_with(shape_prefix)) return mesh.substr(shape_prefix.size());
-    return std::filesystem::path(mesh).stem().string();
+    return mesh == standard_input ? "mesh" : std::filesystem::path(mesh).stem().string();
 }
 
-Input load_mesh_only(const std::string& mesh, bool with_looks) {
+Input load_mesh_only(const std::string& mesh, bool with_looks, const Host& host, const std::string& format) {
     Input input;
     input.name = mesh_name(mesh);
     const Stopwatch import;
-    input.model = load_model(mesh, with_looks);
+    input.model = load_model(mesh, with_looks, host, format);
     input.import_milliseconds = import.milliseconds();
     return input;
 }
@@ -320,7 +326,7 @@ void refuse_scene(const FractureOptions& options) {
 Input load_input(const FractureOptions& options, bool with_looks, const Host& host) {
     refuse_scene(options);
     if (options.mesh.empty()) throw Failure(exit_usage, "no mesh: give a file, shape:NAME, or a recipe that names one");
-    Input input = load_mesh_only(options.mesh, with_looks);
+    Input input = load_mesh_only(options.mesh, with_looks, host, options.format);
     input.units = options.units;
     if (!options.save_recipe.empty()) write_recipe(options.save_recipe, options);
     prepare_mesh(options, input, host);

@@ -54,7 +54,8 @@ struct Level {
 
 // A mesh and how to break it; or, with `objects` or a level, a scene of several.
 struct FractureOptions {
-    std::string mesh;     // path of a file, or shape:NAME
+    std::string mesh;     // path of a file, or shape:NAME; - with Host::standard_input
+    std::string format;   // --format: of the mesh on standard input; empty: told by its bytes. No part of a recipe
     std::string material; // --material: name of a preset, or empty; use_material() has copied its pattern to `pattern`
     fracture::Pattern pattern;                 // --pattern, -n, --seed ...: generates the sites
     std::optional<AutomaticPattern> automatic; // kind and seed are the pattern's, and the mesh decides the rest
@@ -129,7 +130,7 @@ inline constexpr double max_contact_tolerance = 1.0;
 // physics and place of anchors are those of the options. Units of fit count as metres.
 [[nodiscard]] FractureOptions scene_of_pieces(FractureOptions options);
 
-// Returns the name of a mesh for people: the name of a shape, or the stem of a file.
+// Returns the name of a mesh for people: the name of a shape, or the stem of a file; "mesh" for standard input.
 [[nodiscard]] std::string mesh_name(const std::string& mesh);
 
 // Limits of FractureOptions::rough, those of fracture().
@@ -194,8 +195,9 @@ void use_material(const std::string& name, FractureOptions& options);
 // Returns the grain of the options' material along an axis; zero for a material without one.
 [[nodiscard]] glm::dvec3 grain_of_material(const FractureOptions& options, const glm::dvec3& axis);
 
-// Loads the mesh alone, without repair or checks.
-[[nodiscard]] Input load_mesh_only(const std::string& mesh, bool with_looks = false);
+// Loads the mesh alone, without repair or checks. `format` as FractureOptions::format.
+[[nodiscard]] Input load_mesh_only(const std::string& mesh, bool with_looks = false, const Host& host = {},
+                                   const std::string& format = "");
 
 // Drops all but the mesh.
 void keep_mesh_only(fracture::Model& model);

@@ -27,13 +27,18 @@ struct IdleSetting {
 
 // Returns the first setting that has no effect.
 std::optional<IdleSetting> idle_setting(const ExportSettings& settings, const std::string& output_option) {
-    const std::string& file = settings.output;
+    const bool streams = !settings.stream.empty(), none = settings.output.empty() && !streams;
+    const std::string file = streams ? "standard output as " + settings.stream : settings.output;
+    const auto choose = [&](const char* formats) {
+        return std::string("; give ") + (streams ? "--output-format and one of " : "a name that ends with ") + formats;
+    };
     const std::string no_file = "there is no file to write; give " + output_option + " FILE";
-    const std::string not_glb = file + " cannot hold bodies; give a name that ends with .glb";
-    const bool is_glb = file.ends_with(".glb"), has_images = is_glb || file.ends_with(".obj");
+    const bool is_glb = settings.stream == "glb" || settings.output.ends_with(".glb");
+    const bool is_obj = settings.stream == "obj" || settings.output.ends_with(".obj");
+    const std::string not_glb = file + " cannot hold bodies" + choose(streams ? "glb" : ".glb");
     for (const auto& [given, option] :
          {std::pair(!settings.hulls.empty(), "--hulls"), std::pair(settings.rigid_bodies, "--rigid-bodies")}) {
-        if (given && file.empty()) return IdleSetting{option, no_file};
+        if (given && none) return IdleSetting{option, no_file};
         if (given && !is_glb) return IdleSetting{option, not_glb};
     }
     if (settings.hull_parts > 0 && !wants_hulls(settings))
@@ -43,14 +48,19 @@ std::optional<IdleSetting> idle_setting(const ExportSettings& settings, const st
                                                                        "--rigid-bodies"};
     if (settings.density > 0.0 && !settings.rigid_bodies)
         return IdleSetting{"--density", "there are no masses; add --rigid-bodies"};
-    if (settings.per_piece && file.empty()) return IdleSetting{"--per-piece", no_file};
-    if (settings.one_file && file.empty()) return IdleSetting{"--one-file", no_file};
-    if (!settings.interior_texture.empty() && file.empty()) return IdleSetting{"--interior-texture", no_file};
-    if (!settings.interior_texture.empty() && !has_images)
-        return IdleSetting{"--interior-texture", file + " cannot hold images; give a name that ends with .glb or .obj"};
-    if (!settings.name.empty() && file.empty()) return IdleSetting{"--name", no_file};
-    if (!settings.name.empty() && !has_images)
-        return IdleSetting{"--name", file + " cannot hold names; give a name that ends with .glb or .obj"};
+    if (settings.per_piece && none) return IdleSetting{"--per-piece", no_file};
+    if (settings.per_piece && streams) return IdleSetting{"--per-piece", "standard output holds one file"};
+    if (settings.one_file && none) return IdleSetting{"--one-file", no_file};
+    if (!settings.interior_texture.empty() && none) return IdleSetting{"--interior-texture", no_file};
+    if (!settings.interior_texture.empty() && is_obj && streams)
+        return IdleSetting{"--interior-texture",
+                           "the images of an OBJ file are files beside it; give --output-format glb"};
+    if (!settings.interior_texture.empty() && !is_glb && !is_obj)
+        return IdleSetting{"--interior-texture",
+                           file + " cannot hold images" + choose(streams ? "glb" : ".glb or .obj")};
+    if (!settings.name.empty() && none) return IdleSetting{"--name", no_file};
+    if (!settings.name.empty() && !is_glb && !is_obj)
+        return IdleSetting{"--name", file + " cannot hold names" + choose(streams ? "glb or obj" : ".glb or .obj")};
     return std::nullopt;
 }
 
@@ -79,7 +89,8 @@ ExportSettings effective_export(ExportSettings settings, const std::string& outp
     while (const std::optional<IdleSetting> idle = idle_setting(settings, output_option)) {
         if (given(idle->option)) throw Failure(exit_usage, idle->option + ": " + idle->why);
         reset(settings, idle->option);
-        if (!settings.output.empty()) notes.push_back("the recipe's " + idle->option + " has no effect: " + idle->why);
+        if (!settings.output.empty() || !settings.stream.empty())
+            notes.push_back("the recipe's " + idle->option + " has no effect: " + idle->why);
     }
     return settings;
 }
@@ -130,17 +141,41 @@ fracture::ExportOptions export_options(const ExportSettings& settings, const Fra
     return options;
 }
 
-std::vector<std::filesystem::path> write_pieces(const ExportSettings& settings, const FractureOptions& recipe,
-                                                const Input& input, const Broken& broken) {
-    fracture::ExportOptions options = export_options(settings, recipe, input);
-    options.sites = input.sites;
-    options.per_piece = splits_files(settings, broken.fragments.pieces.size());
-    std::vector<std::vector<fracture::TriangleMesh>> hulls;
-    if (wants_hulls(settings)) {
+namespace {
+
+// The options of an export of the pieces where they were cut, with the hulls that they refer to.
+struct PieceOptions {
+    PieceOptions(const ExportSettings& settings, const FractureOptions& recipe, const Input& input,
+                 const Broken& broken)
+        : options(export_options(settings, recipe, input)) {
+        options.sites = input.sites;
+        options.per_piece = splits_files(settings, broken.fragments.pieces.size());
+        if (!wants_hulls(settings)) return;
         hulls = physics::hull_meshes(broken.fragments, hull_settings(settings));
         options.hulls = hulls;
     }
-    return must(fracture::export_pieces(settings.output, broken.fragments, broken.certificate, options));
+    PieceOptions(const PieceOptions&) = delete;
+    PieceOptions& operator=(const PieceOptions&) = delete;
+
+    std::vector<std::vector<fracture::TriangleMesh>> hulls{};
+    fracture::ExportOptions options;
+};
+
+} // namespace
+
+std::vector<std::filesystem::path> write_pieces(const ExportSettings& settings, const FractureOptions& recipe,
+                                                const Input& input, const Broken& broken) {
+    const PieceOptions pieces(settings, recipe, input, broken);
+    return must(fracture::export_pieces(settings.output, broken.fragments, broken.certificate, pieces.options));
+}
+
+std::vector<std::byte> pieces_in_memory(const ExportSettings& settings, const FractureOptions& recipe,
+                                        const Input& input, const Broken& broken) {
+    PieceOptions pieces(settings, recipe, input, broken);
+    pieces.options.single_file = true;
+    std::vector<fracture::ExportedFile> files = must(fracture::export_pieces_to_memory(
+        "pieces." + settings.stream, broken.fragments, broken.certificate, pieces.options));
+    return std::move(files.front().bytes);
 }
 
 } // namespace brittle::tools

@@ -1,6 +1,7 @@
 // Export of the pieces of a fracture to files, by the options of `brittle fracture`.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <functional>
 #include <span>
@@ -20,7 +21,7 @@ void check_export(const ExportSettings& settings, const std::string& output_opti
 
 // Returns the settings without those of a recipe that have no effect on the file; throws a Failure as check_export() for
 // one that the command line gives. `given`: whether it gives an option, such as "--hulls". `notes` tells people what is
-// left out; nothing is told where no file is written.
+// left out. It stays empty where no file is written.
 [[nodiscard]] ExportSettings effective_export(ExportSettings settings, const std::string& output_option,
                                               const std::function<bool(const std::string& option)>& given,
                                               std::vector<std::string>& notes);
@@ -41,5 +42,10 @@ void check_export(const ExportSettings& settings, const std::string& output_opti
 // one to open first. Throws a Failure.
 std::vector<std::filesystem::path> write_pieces(const ExportSettings& settings, const FractureOptions& recipe,
                                                 const Input& input, const Broken& broken);
+
+// Returns the one file of the pieces in the format ExportSettings::stream; an OBJ file names no materials of an MTL file.
+// Throws a Failure.
+[[nodiscard]] std::vector<std::byte> pieces_in_memory(const ExportSettings& settings, const FractureOptions& recipe,
+                                                      const Input& input, const Broken& broken);
 
 } // namespace brittle::tools

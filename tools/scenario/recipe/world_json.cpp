@@ -113,8 +113,7 @@ Json export_json(const ExportSettings& settings) {
     const ExportSettings plain;
     Json json = Json::object();
     if (settings.name != plain.name) json["name"] = settings.name;
-    if (settings.per_piece) json["per_piece"] = true;
-    if (settings.one_file) json["one_file"] = true;
+    if (settings.per_piece || settings.one_file) json["per_piece"] = settings.per_piece;
     if (settings.hulls != plain.hulls) json["hulls"] = settings.hulls;
     if (settings.rigid_bodies) json["rigid_bodies"] = true;
     if (settings.hull_parts != plain.hull_parts) json["hull_parts"] = settings.hull_parts;
@@ -277,9 +276,7 @@ void read_export(JsonReader& reader, ExportSettings& settings) {
     if (const std::string refusal = refusal_of_name(settings.name); !refusal.empty())
         throw reader.failure("name", refusal);
     reader.flag("per_piece", settings.per_piece);
-    reader.flag("one_file", settings.one_file);
-    if (settings.per_piece && settings.one_file)
-        throw reader.failure("one_file", "it contradicts per_piece: leave one of them out");
+    if (reader.find("per_piece")) settings.one_file = !settings.per_piece;
     read_word(reader, "hulls", settings.hulls, {"godot", "unreal"});
     reader.flag("rigid_bodies", settings.rigid_bodies);
     reader.whole("hull_parts", settings.hull_parts, 1, max_hull_parts);
