@@ -18,6 +18,8 @@
 
 #include "fracture/io/text_cursor.h"
 #include "tools/brittle/commands/command_line.h"
+#include "tools/brittle/commands/manual.h"
+#include "tools/brittle/commands/option_table.h"
 #include "tools/scenario/base/failure.h"
 
 namespace brittle::tools {
@@ -30,13 +32,17 @@ constexpr const char* description =
     "  brittle fracture bunny.obj -n 100 -o pieces.glb  write pieces for any engine that reads glTF\n"
     "  brittle render bunny.obj -n 50 -o fall_%04d.png  write pictures, without a display\n";
 
-constexpr const char* exit_codes_help =
-    "brittle help COMMAND lists the options of a command.\n\n"
-    "Exit codes: 0 success, 1 failure, 2 wrong command line, 3 input file missing or damaged,\n"
-    "            4 mesh or sites cannot be fractured, 5 output not written,\n"
-    "            6 no display, or no Vulkan device, or the device was lost,\n"
-    "            7 slower than before (profile --compare), 8 state differs from the log (replay),\n"
-    "            130 interrupted (Ctrl+C); no half-written file is left";
+std::string footer() {
+    std::string text =
+        "brittle help COMMAND lists the options of a command; brittle help --man prints the manual page.\n\n"
+        "Exit codes:";
+    for (const auto& [code, meaning] : exit_texts) {
+        char line[120];
+        std::snprintf(line, sizeof line, "\n  %3d  %s", code, meaning);
+        text += line;
+    }
+    return text;
+}
 
 void add_commands(CLI::App& app, Run& run) {
     add_fracture(app, run);
@@ -46,6 +52,7 @@ void add_commands(CLI::App& app, Run& run) {
     add_replay(app, run);
     add_demo(app, run);
     add_profile(app, run);
+    add_complete(app, run);
 }
 
 // Levenshtein's distance: the fewest letters to insert, remove or replace.
@@ -82,6 +89,7 @@ const CLI::App* command_of(const CLI::App& app, std::span<const std::string> wor
     std::vector<std::string> names{"help"};
     for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
         if (command->get_name() == words[0]) return command;
+        if (command->get_group().empty()) continue; // hidden
         known += (known.empty() ? "" : ", ") + command->get_name();
         names.push_back(command->get_name());
     }
@@ -109,11 +117,18 @@ void check_options(const CLI::App& command, std::span<const std::string> words) 
     }
 }
 
+// Throws a Failure where not all of standard output was written.
+int finish_output() {
+    if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
+        throw Failure(exit_output, std::string("standard output: cannot be written: ") + std::strerror(errno));
+    return exit_success;
+}
+
 int run(int argc, char** argv) {
     CLI::App app(description, "brittle");
     app.set_version_flag("-V,--version", "brittle " BRITTLE_VERSION);
     app.require_subcommand(1);
-    app.footer(exit_codes_help);
+    app.footer(footer());
     Run command;
     add_commands(app, command);
     std::vector<std::string> words(argv + std::min(argc, 1), argv + argc);
@@ -123,6 +138,10 @@ int run(int argc, char** argv) {
     }
     if (words[0] == "help") { // brittle help COMMAND is brittle COMMAND --help
         words.erase(words.begin());
+        if (words == std::vector<std::string>{"--man"}) {
+            std::fputs(manual_page(option_table(app), BRITTLE_VERSION).c_str(), stdout);
+            return finish_output();
+        }
         words.emplace_back("--help");
     }
     if (const CLI::App* chosen = command_of(app, words)) check_options(*chosen, std::span(words).subspan(1));
@@ -133,8 +152,7 @@ int run(int argc, char** argv) {
         return app.exit(e) == 0 ? exit_success : exit_usage;
     }
     const int code = command();
-    if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
-        throw Failure(exit_output, std::string("standard output: cannot be written: ") + std::strerror(errno));
+    finish_output();
     return code;
 }
 

@@ -17,5 +17,7 @@ void add_render(CLI::App& app, Run& run);
 void add_replay(CLI::App& app, Run& run);
 void add_demo(CLI::App& app, Run& run);
 void add_profile(CLI::App& app, Run& run);
+// Prints completion scripts. Hidden; after all other commands.
+void add_complete(CLI::App& app, Run& run);
 
 } // namespace brittle::tools

@@ -8,6 +8,7 @@
 
 #include "fracture/io/import.h"
 #include "fracture/shapes/shapes.h"
+#include "physics/material.h"
 #include "tools/brittle/commands/option_groups.h"
 #include "tools/brittle/commands/option_values.h"
 #include "tools/scenario/recipe/recipe.h"
@@ -84,11 +85,14 @@ void add_pattern_options(CLI::App& command, FractureOptions& options) {
                     "equal pieces.")
         ->check(non_negative_number())
         ->capture_default_str();
+    std::vector<std::string> materials;
+    for (const auto& preset : physics::material_presets()) materials.emplace_back(preset.name);
     command
         .add_option_function<std::string>(
             "--material", [&options](const std::string& name) { use_material(name, options); },
             "Material, which decides how the mesh breaks, moves and looks: glass, stone, concrete, wood, ceramic or "
             "brick")
+        ->check(known_words(materials))
         ->type_name("NAME");
     const auto names = fracture::pattern_names();
     const auto set_kind = [&pattern, names](const std::string& name) {

@@ -58,6 +58,12 @@ CLI::Validator finite_number() {
     return number_validator("a finite number", "", [](double) { return true; });
 }
 
+CLI::Validator known_words(const std::vector<std::string>& words) {
+    std::string list;
+    for (const std::string& word : words) list += (list.empty() ? "{" : ",") + word;
+    return CLI::Validator([](std::string&) { return std::string(); }, list + "}");
+}
+
 Ball parse_ball(const std::string& option, const std::string& text) {
     Ball ball;
     char rest = 0;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <glm/vec2.hpp>
@@ -15,6 +16,8 @@ namespace brittle::tools {
 [[nodiscard]] CLI::Validator positive_number();
 [[nodiscard]] CLI::Validator non_negative_number();
 [[nodiscard]] CLI::Validator finite_number();
+// Names words for the help and for shells, and accepts any: the option's own function knows better what to say of others.
+[[nodiscard]] CLI::Validator known_words(const std::vector<std::string>& words);
 
 // The functions below throw a CLI::ValidationError that names the option, the value and the form expected.
 
