@@ -161,6 +161,9 @@ TEST_CASE("state export: files of every format hold each piece as it lies or as 
         CHECK(sum == doctest::Approx(input_volume(run)).epsilon(1e-5));
         CHECK(turned > 0.01); // rotation must matter
     }
+    CHECK(run.write(folder / "split.stl", PiecesAs::they_lie).size() == state.pieces.size());
+    CHECK(run.write(folder / "one.stl", PiecesAs::they_lie, {.one_file = true}).size() == 1);
+    CHECK(run.write(folder / "one.ply", PiecesAs::they_lie).size() == 1);
 }
 
 TEST_CASE("state export: interiors, looks and hulls are written, with several hulls for a piece that is not convex") {
