@@ -1,8 +1,8 @@
 """tools/compare --guard: is this tree slower than an earlier commit?
 
-Both are built by the same compiler with the same flags, below build/compare/guard, and their probes (guard/probe.cpp) run
-each case in turns, in several fresh processes each, since the place of a process in memory changes its speed. A phase is
-slower where its median and its minimum both grew by the threshold, and did so again in further processes.
+Both are built by the same compiler with the same flags, below build/compare/guard, and their probes (guard/probe.cpp)
+run each case in turns, in several fresh processes each, since the place of a process in memory changes its speed. A
+phase is slower where its median and its minimum both grew by the threshold, and did so again in further processes.
 """
 import argparse
 import os
@@ -33,7 +33,8 @@ def git(*words):
 
 def default_commit():
     """The last commit where files are changed, else the one before it."""
-    changed = git("status", "--porcelain", "--untracked-files=no", "--", "fracture", "physics", "CMakeLists.txt").strip()
+    changed = git("status", "--porcelain", "--untracked-files=no", "--", "fracture", "physics",
+                  "CMakeLists.txt").strip()
     return "HEAD" if changed else "HEAD~1"
 
 
@@ -46,8 +47,10 @@ def copy_tree(to):
             continue
         wanted.add(name)
         target = to / name
-        if target.exists() and target.stat().st_mtime_ns == source.stat().st_mtime_ns and target.stat().st_size == source.stat().st_size:
-            continue
+        if target.exists():
+            old, new = target.stat(), source.stat()
+            if (old.st_mtime_ns, old.st_size) == (new.st_mtime_ns, new.st_size):
+                continue
         target.parent.mkdir(parents=True, exist_ok=True)
         shutil.copy2(source, target)
     for file in [file for file in to.rglob("*") if file.is_file() and str(file.relative_to(to)) not in wanted]:
@@ -73,13 +76,16 @@ def build(name, fill):
         if not (probe / file).exists() or (probe / file).read_bytes() != (PROBE / file).read_bytes():
             shutil.copy2(PROBE / file, probe / file)
     environment = {**os.environ, "CCACHE_BASEDIR": str(folder), "CCACHE_NOHASHDIR": "1"}
-    configure = ["cmake", "-S", folder / "source", "-B", folder / "build", "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release", "-DBUILD_TESTING=OFF",
-                 "-DBRITTLE_LIBRARY_ONLY=ON", f"-DCMAKE_PROJECT_brittle_INCLUDE={probe / 'guard.cmake'}", f"-DGUARD_PROBE={probe / 'probe.cpp'}"]
+    configure = ["cmake", "-S", folder / "source", "-B", folder / "build", "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release",
+                 "-DBUILD_TESTING=OFF", "-DBRITTLE_LIBRARY_ONLY=ON",
+                 f"-DCMAKE_PROJECT_brittle_INCLUDE={probe / 'guard.cmake'}",
+                 f"-DGUARD_PROBE={probe / 'probe.cpp'}"]
     for words in (configure, ["cmake", "--build", folder / "build", "--target", "brittle_guard"]):
         done = subprocess.run([str(word) for word in words], env=environment, capture_output=True, text=True)
         if done.returncode != 0:
-            lines = [line for line in (done.stdout + done.stderr).splitlines() if "error" in line.lower()] or done.stderr.splitlines()
-            raise SystemExit(f"tools/compare --guard: {name} does not build: " + "\n".join(lines[:5]) + "\nName a later commit, or see "
+            lines = [line for line in (done.stdout + done.stderr).splitlines() if "error" in line.lower()]
+            raise SystemExit(f"tools/compare --guard: {name} does not build: "
+                             + "\n".join((lines or done.stderr.splitlines())[:5]) + "\nName a later commit, or see "
                              f"whether tools/comparison/guard/probe.cpp uses functions that it lacks.")
     return folder / "build" / "brittle_guard"
 
@@ -135,11 +141,14 @@ def slower(samples, threshold):
 
 
 def main(words):
-    parser = argparse.ArgumentParser(prog="tools/compare --guard", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(prog="tools/compare --guard", description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--guard", "--guard-full", nargs="?", const="", metavar="COMMIT", dest="commit",
-                        help="the commit to compare with (default: the last one where fracture/ or physics/ is changed, else the one before it)")
+                        help="the commit to compare with (default: the last one where fracture/ or physics/ is "
+                             "changed, else the one before it)")
     parser.add_argument("--guard-seconds", type=float, help="time for measuring (default 100; 420 with --guard-full)")
-    parser.add_argument("--guard-case", action="append", metavar="CASE", help="only this case of the probe; again for more")
+    parser.add_argument("--guard-case", action="append", metavar="CASE",
+                        help="only this case of the probe; again for more")
     parser.add_argument("--guard-threshold", type=float, default=THRESHOLD, metavar="RATIO")
     options = parser.parse_args(words)
     seconds = options.guard_seconds or (420.0 if "--guard-full" in words else 100.0)
@@ -149,7 +158,8 @@ def main(words):
     cases = subprocess.run([programs[1], "--list"], capture_output=True, text=True, check=True).stdout.split()
     if options.guard_case:
         if unknown := set(options.guard_case) - set(cases):
-            raise SystemExit(f"tools/compare --guard: there is no case {', '.join(sorted(unknown))}, only {', '.join(cases)}")
+            raise SystemExit(f"tools/compare --guard: there is no case {', '.join(sorted(unknown))}, only "
+                             + ", ".join(cases))
         cases = options.guard_case
     busy, own, begin = machine.busy_seconds(), sum(os.times()[:4]), time.monotonic()
     samples = measure(programs, cases, seconds)
@@ -161,18 +171,22 @@ def main(words):
     used = sum(os.times()[:4]) - own
     others = max(0.0, machine.busy_seconds() - busy - used) / ((time.monotonic() - begin) * (os.cpu_count() or 1))
     print(f"{'case':9} {'phase':12} {'before ms':>10} {'now ms':>10} {'median':>8} {'minimum':>8}")
-    for key, (before, now) in sorted(samples.items(), key=lambda item: (cases.index(item[0][0]), item[0][1] != "total", item[0][1])):
+    for key, (before, now) in sorted(samples.items(),
+                                     key=lambda item: (cases.index(item[0][0]), item[0][1] != "total", item[0][1])):
         if not before or not now or median(before) < MIN_MILLISECONDS:
             continue
         of_median, of_minimum = ratios(before, now)
-        note = "SLOWER" if key in found else "faster" if max(of_median, of_minimum) < 1 / options.guard_threshold else ""
+        faster = max(of_median, of_minimum) < 1 / options.guard_threshold
+        note = "SLOWER" if key in found else "faster" if faster else ""
         if key in again and not note and min(of_median, of_minimum) > options.guard_threshold:
             note = "not confirmed"
-        print(f"{key[0]:9} {key[1]:12} {median(before):10.3f} {median(now):10.3f} {of_median:8.3f} {of_minimum:8.3f} {note}")
+        print(f"{key[0]:9} {key[1]:12} {median(before):10.3f} {median(now):10.3f} {of_median:8.3f} "
+              f"{of_minimum:8.3f} {note}")
     for case, phase in sorted(key for key, (before, now) in samples.items() if bool(before) != bool(now)):
         print(f"guard: {case}: only one of the two has a phase {phase}; look at total")
     if others > 0.05:
-        print(f"guard: other processes used {100 * others:.0f} % of the machine; small differences are not to be relied on")
+        print(f"guard: other processes used {100 * others:.0f} % of the machine; small differences are not to be "
+              "relied on")
     print("guard: " + ("slower: " + ", ".join(f"{case} {phase}" for case, phase in found) if found else
                        f"no phase is slower by {100 * (options.guard_threshold - 1):.0f} %"), flush=True)
     return SLOWER if found else 0

@@ -1,4 +1,7 @@
-"""The cases: meshes and sites, in the format of the adapters, with cells and the oracle's volumes, kept in build/compare."""
+"""The cases: meshes and sites, in the format of the adapters, with cells and the oracle's volumes.
+
+They are kept in build/compare.
+"""
 import array
 import hashlib
 import os
@@ -33,7 +36,8 @@ DEGENERATE = ("cube/lattice_8", "cube/lattice_64", "cube/mirrored_35", "cube/cop
 SHORT = [f"bunny/{sites}" for sites in RANDOM] + ["horse/random_100", "cat/random_100", "animal/random_100",
                                                   "armadillo/random_100", *DEGENERATE, "ball_328k/random_100"]
 ALL = list(dict.fromkeys([f"{mesh}/{sites}" for mesh in MESHES for sites in RANDOM] + [*DEGENERATE]))
-CELLS = ["bunny/random_100", "bunny/random_1000", "bunny/random_10000", "cube/lattice_64"]  # for peers that only make cells
+# For peers that only make cells.
+CELLS = ["bunny/random_100", "bunny/random_1000", "bunny/random_10000", "cube/lattice_64"]
 
 
 @dataclass
@@ -88,7 +92,8 @@ def part_bounds(file):
 
 def box_part(file, low, high):
     corners = [tuple((high if k >> axis & 1 else low)[axis] for axis in range(3)) for k in range(8)]
-    triangles = (0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4, 2, 6, 7, 2, 7, 3, 0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5)
+    triangles = (0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4, 2, 6, 7, 2, 7, 3, 0, 4, 6, 0, 6, 2,
+                 1, 3, 7, 1, 7, 5)
     file.write_bytes(struct.pack("<III", 1, 8, 12) + b"".join(struct.pack("<ddd", *corner) for corner in corners)
                      + struct.pack("<36I", *triangles))
 

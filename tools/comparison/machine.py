@@ -16,7 +16,8 @@ def text_of(path):
 def describe():
     model = next((line.partition(":")[2].strip() for line in text_of("/proc/cpuinfo").splitlines()
                   if line.startswith("model name")), platform.machine())
-    kibibytes = next((int(line.split()[1]) for line in text_of("/proc/meminfo").splitlines() if line.startswith("MemTotal")), 0)
+    kibibytes = next((int(line.split()[1]) for line in text_of("/proc/meminfo").splitlines()
+                      if line.startswith("MemTotal")), 0)
     return {"processor": model, "cores": os.cpu_count() or 1, "memory": f"{kibibytes / 2**20:.0f} GiB",
             "governor": text_of("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor") or "not shown by this machine",
             "system": text_of("/etc/os-release").partition('PRETTY_NAME="')[2].partition('"')[0] or platform.system(),

@@ -38,8 +38,9 @@ def check(session, case, binaries):
 
 
 def new_row(case, peer, threads):
-    return {"case": case.name, "task": case.task, "mesh": case.mesh, "triangles": case.triangles, "site_set": case.sites,
-            "sites": case.count, "peer": peer.name, "threads": threads, "given_cells": peer.given_cells, "version": "",
+    return {"case": case.name, "task": case.task, "mesh": case.mesh, "triangles": case.triangles,
+            "site_set": case.sites, "sites": case.count, "peer": peer.name, "threads": threads,
+            "given_cells": peer.given_cells, "version": "",
             "failure": "", "reason": "", "loaded": False, "oracle": case.oracle}
 
 
@@ -109,9 +110,10 @@ def run_case(case, peers, seconds, limit, binaries, expectations, say):
                    memory_mb=round(session.memory, 1), memory_ready_mb=round(session.memory_ready, 1))
         if session.samples:
             warm = session.samples[1:] or session.samples
-            row.update(cold_ms=session.samples[0], min_ms=min(warm), p50_ms=percentile(warm, 50), p99_ms=percentile(warm, 99),
-                       max_ms=max(warm), warm_runs=len(session.samples) - 1)
-            samples += [(case.name, case.task, row["peer"], row["threads"], k, ms) for k, ms in enumerate(session.samples)]
+            row.update(cold_ms=session.samples[0], min_ms=min(warm), p50_ms=percentile(warm, 50),
+                       p99_ms=percentile(warm, 99), max_ms=max(warm), warm_runs=len(session.samples) - 1)
+            samples += [(case.name, case.task, row["peer"], row["threads"], k, ms)
+                        for k, ms in enumerate(session.samples)]
         if not row["failure"]:
             row.update(check(session, case, binaries))
         session.end()

@@ -42,13 +42,16 @@ def known(binaries, manifold=None):
     """All peers, installed or not."""
     both = tuple(sorted({1, CORES}))
     node = BUILD / "node"
-    cgal = compiled("cgal", "-lmpfr", "-lgmp", "-pthread", flags=("-frounding-math", "-DCGAL_USE_GMP=1", "-DCGAL_USE_MPFR=1"),
-                    given_cells=True, threads=both, source="Debian", packages=("libcgal-dev", "libgmp-dev", "libmpfr-dev"),
+    cgal = compiled("cgal", "-lmpfr", "-lgmp", "-pthread",
+                    flags=("-frounding-math", "-DCGAL_USE_GMP=1", "-DCGAL_USE_MPFR=1"),
+                    given_cells=True, threads=both, source="Debian",
+                    packages=("libcgal-dev", "libgmp-dev", "libmpfr-dev"),
                     version="5.5.1-2")
     peers = [
-        Peer("Brittle", [binaries / "compare_brittle"], threads=both, source="this commit", needs=binaries / "compare_brittle"),
-        Peer("Brittle, cells", [binaries / "compare_brittle"], ["cells"], task="cells", threads=both, source="this commit",
+        Peer("Brittle", [binaries / "compare_brittle"], threads=both, source="this commit",
              needs=binaries / "compare_brittle"),
+        Peer("Brittle, cells", [binaries / "compare_brittle"], ["cells"], task="cells", threads=both,
+             source="this commit", needs=binaries / "compare_brittle"),
         Peer("Manifold (npm)", ["node", "manifold.mjs"], given_cells=True, folder=node, source="npm",
              packages=("nodejs",), needs=node / "node_modules" / "manifold-3d"),
         Peer("CGAL corefinement", **{**cgal, "words": ["corefine"]}),
@@ -57,26 +60,31 @@ def known(binaries, manifold=None):
              packages=("nodejs",), needs=node / "node_modules" / "three-bvh-csg"),
         Peer("three-pinata", ["node", "three.mjs"], ["pinata"], folder=node, source="npm", packages=("nodejs",),
              needs=node / "node_modules" / "@dgreenheck"),
-        Peer("Blender Cell Fracture", ["blender", "--background", "--factory-startup", "--threads", str(CORES), "--python",
+        Peer("Blender Cell Fracture", ["blender", "--background", "--factory-startup", "--threads", str(CORES),
+                                       "--python",
                                        ADAPTERS / "blender.py", "--"], threads=(CORES,), source="Debian",
-             packages=("blender",), version="3.4.1+dfsg-2+b1", needs=Path(shutil.which("blender") or "/usr/bin/blender")),
-        Peer("OpenVDB fracturer", **compiled("openvdb", "-lopenvdb", "-ltbb", given_cells=True, threads=(CORES,), source="Debian",
+             packages=("blender",), version="3.4.1+dfsg-2+b1",
+             needs=Path(shutil.which("blender") or "/usr/bin/blender")),
+        Peer("OpenVDB fracturer", **compiled("openvdb", "-lopenvdb", "-ltbb", given_cells=True, threads=(CORES,),
+                                             source="Debian",
                                              packages=("libopenvdb-dev",), version="10.0.1-2")),
         Peer("voro++, cells", **compiled("voro", "-lvoro++", task="cells", source="Debian", packages=("voro++-dev",),
                                          version="0.5+revert-to-0.4.6+dfsg1-1")),
     ]
     if manifold:
         folder = Path(manifold).resolve()
-        library = next((lib for lib in (folder / "lib", folder / "lib64", folder / "src", folder) if any(lib.glob("libmanifold.*"))),
+        library = next((lib for lib in (folder / "lib", folder / "lib64", folder / "src", folder)
+                        if any(lib.glob("libmanifold.*"))),
                        folder / "lib")
         peers.insert(3, Peer("Manifold (native)", **compiled(
-            "manifold", f"-L{library}", f"-Wl,-rpath,{library}", "-lmanifold", "-ltbb", flags=(f"-I{folder / 'include'}",),
-            given_cells=True, threads=both, source=str(folder), packages=("libtbb-dev",))))
+            "manifold", f"-L{library}", f"-Wl,-rpath,{library}", "-lmanifold", "-ltbb",
+            flags=(f"-I{folder / 'include'}",), given_cells=True, threads=both, source=str(folder),
+            packages=("libtbb-dev",))))
     return peers
 
 
 def of_command(text, cores=CORES):
-    """A peer that the command line names: NAME=COMMAND, with options for it between brackets: NAME[cells,threads]=..."""
+    """A peer that the command line names: NAME=COMMAND, with options between brackets: NAME[cells,threads]=..."""
     name, found, command = text.partition("=")
     if not found or not name.strip() or not command.strip():
         raise SystemExit(f"tools/compare: --adapter wants NAME=COMMAND, not '{text}'")
@@ -85,12 +93,14 @@ def of_command(text, cores=CORES):
     if options - {"cells", "given", "threads"}:
         raise SystemExit(f"tools/compare: --adapter {name} has the options cells, given and threads, not "
                          + ", ".join(sorted(options - {'cells', 'given', 'threads'})))
-    return Peer(name, shlex.split(command), task="cells" if "cells" in options else "pieces", given_cells="given" in options,
+    return Peer(name, shlex.split(command), task="cells" if "cells" in options else "pieces",
+                given_cells="given" in options,
                 threads=tuple(sorted({1, cores})) if "threads" in options else (1,), source="--adapter")
 
 
 def package_version(package):
-    done = subprocess.run(["dpkg-query", "-W", "-f", "${db:Status-Status} ${Version}", package], capture_output=True, text=True)
+    done = subprocess.run(["dpkg-query", "-W", "-f", "${db:Status-Status} ${Version}", package], capture_output=True,
+                          text=True)
     status, _, version = done.stdout.partition(" ")
     return version if status == "installed" else ""
 
@@ -108,7 +118,8 @@ def install(peers):
         if not (node / "node_modules").exists() or (node / lock.name).read_bytes() != lock.read_bytes():
             for name in ("package.json", lock.name):
                 shutil.copy(ADAPTERS / "node" / name, node)
-            subprocess.run(["npm", "ci", "--ignore-scripts", "--no-audit", "--no-fund", "--loglevel=error"], cwd=node, check=True,
+            subprocess.run(["npm", "ci", "--ignore-scripts", "--no-audit", "--no-fund", "--loglevel=error"], cwd=node,
+                           check=True,
                            stdout=subprocess.DEVNULL)
         for script in (ADAPTERS / "node").glob("*.mjs"):
             shutil.copy(script, node)

@@ -9,10 +9,12 @@ try:
 except ImportError:
     sys.exit("plots.py: no matplotlib; tools/compare --install gets Debian's python3-matplotlib")
 matplotlib.use("Agg")
-matplotlib.rcParams.update({"svg.hashsalt": "compare", "svg.fonttype": "none", "font.size": 9, "axes.grid": True, "grid.alpha": 0.3})
+matplotlib.rcParams.update({"svg.hashsalt": "compare", "svg.fonttype": "none", "font.size": 9, "axes.grid": True,
+                            "grid.alpha": 0.3})
 from matplotlib import pyplot  # noqa: E402
 
-COLOURS = dict(zip(("Brittle", "Manifold", "CGAL corefinement", "CGAL clip", "three-bvh-csg", "three-pinata", "Blender", "OpenVDB", "voro++"),
+COLOURS = dict(zip(("Brittle", "Manifold", "CGAL corefinement", "CGAL clip", "three-bvh-csg", "three-pinata", "Blender",
+                    "OpenVDB", "voro++"),
                    ("#c0392b", "#2471a3", "#1e8449", "#82c99a", "#7d3c98", "#b9770e", "#d4ac0d", "#148f77", "#34495e")))
 
 
@@ -28,7 +30,8 @@ def save(figure, folder, name, title):
 
 
 def against_sites(rows, folder, task, mesh, key, label, name, title):
-    chosen = [row for row in rows if row["task"] == task and row["mesh"] == mesh and row["site_set"].startswith("random") and row[key]]
+    chosen = [row for row in rows if row["task"] == task and row["mesh"] == mesh
+              and row["site_set"].startswith("random") and row[key]]
     if len({row["sites"] for row in chosen}) < 2:
         return
     figure, axes = pyplot.subplots(figsize=(7.5, 4.5))
@@ -44,13 +47,15 @@ def against_sites(rows, folder, task, mesh, key, label, name, title):
             sound = not row["reason"]
             axes.plot([x], [y], marker="o", markersize=5, color=colour(peer) if sound else "#aaaaaa",
                       markerfacecolor=colour(peer) if sound else "white")
-    axes.set(xscale="log", yscale="log", xlabel="sites", ylabel=label, title=title + "; grey rings: pieces are not sound")
+    axes.set(xscale="log", yscale="log", xlabel="sites", ylabel=label,
+             title=title + "; grey rings: pieces are not sound")
     axes.legend(fontsize=7, loc="center left", bbox_to_anchor=(1.0, 0.5))
     save(figure, folder, name, title)
 
 
 def by_case(rows, folder, name, title):
-    chosen = [row for row in rows if row["task"] == "pieces" and row["p50_ms"] and not row["failure"] and row["mesh"] != "bunny"]
+    chosen = [row for row in rows if row["task"] == "pieces" and row["p50_ms"] and not row["failure"]
+              and row["mesh"] != "bunny"]
     best = {}
     for row in chosen:  # the fastest of a peer's thread counts
         key = row["case"], row["peer"]
@@ -68,7 +73,8 @@ def by_case(rows, folder, name, title):
                 continue
             sound = not row["reason"]
             axes.plot([float(row["p50_ms"])], [y + 0.09 * (k - len(peers) / 2)], marker="o", markersize=5,
-                      color=colour(peer) if sound else "#aaaaaa", markerfacecolor=colour(peer) if sound else "white", linestyle="")
+                      color=colour(peer) if sound else "#aaaaaa", markerfacecolor=colour(peer) if sound else "white",
+                      linestyle="")
         axes.plot([], [], marker="o", color=colour(peer), linestyle="", label=peer)
     axes.set(xscale="log", xlabel="median, ms", yticks=range(len(cases)), title=title + "; grey rings: not sound")
     axes.set_yticklabels(cases)
@@ -83,8 +89,10 @@ def main():
     folder = Path(sys.argv[2])
     folder.mkdir(parents=True, exist_ok=True)
     against_sites(rows, folder, "pieces", "bunny", "p50_ms", "median, ms", "bunny.svg", "The bunny broken")
-    against_sites(rows, folder, "pieces", "bunny", "memory_mb", "peak memory of the process, MB", "memory.svg", "Memory for the bunny")
-    against_sites(rows, folder, "cells", "bunny", "p50_ms", "median, ms", "cells.svg", "Voronoi cells in the bunny's box")
+    against_sites(rows, folder, "pieces", "bunny", "memory_mb", "peak memory of the process, MB", "memory.svg",
+                  "Memory for the bunny")
+    against_sites(rows, folder, "cells", "bunny", "p50_ms", "median, ms", "cells.svg",
+                  "Voronoi cells in the bunny's box")
     by_case(rows, folder, "meshes.svg", "Other meshes and sites")
 
 

@@ -21,8 +21,8 @@ class Session:
         words = [*peer.command, case.part, case.sites_file, case.cells, str(threads), *peer.words]
         with open(self.log, "wb") as errors:
             try:
-                self.process = subprocess.Popen([str(word) for word in words], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
-                                                stderr=errors, cwd=peer.folder)
+                self.process = subprocess.Popen([str(word) for word in words], stdin=subprocess.PIPE,
+                                                stdout=subprocess.PIPE, stderr=errors, cwd=peer.folder)
             except OSError as error:
                 self.process = None
                 raise Failed(f"cannot be started: {error.strerror}") from error

@@ -26,7 +26,8 @@ FAULTS = {
 
 
 def compare(*words):
-    return subprocess.run([sys.executable, ROOT / "tools" / "compare", "--binaries", sys.argv[1], *words], capture_output=True, text=True)
+    return subprocess.run([sys.executable, ROOT / "tools" / "compare", "--binaries", sys.argv[1], *words],
+                          capture_output=True, text=True)
 
 
 def main():
@@ -34,8 +35,9 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         adapter = ROOT / "tests" / "tools" / "comparison" / "octants.py"
         command = {fault: f"{sys.executable} {adapter} {fault}" for fault in FAULTS} | {"absent": "/nonexistent"}
-        done = compare("--case", "cube/lattice_8", "--peer", "brittle", "--peer", "octants", "--seconds", "0.02", "--limit", "2",
-                       "--output", folder, *(word for fault in FAULTS for word in ("--adapter", f"octants {fault}={command[fault]}")))
+        done = compare("--case", "cube/lattice_8", "--peer", "brittle", "--peer", "octants", "--seconds", "0.02",
+                       "--limit", "2", "--output", folder,
+                       *(word for fault in FAULTS for word in ("--adapter", f"octants {fault}={command[fault]}")))
         if done.returncode != 0:
             sys.exit(f"exit code {done.returncode}\n{done.stdout}{done.stderr}")
         with open(Path(folder) / "rows.csv", encoding="utf-8") as file:
@@ -49,12 +51,14 @@ def main():
             wrong.append(f"{row['peer']} says '{found}' instead of '{expected}'")
         if found not in page.replace("&#x27;", "'"):
             wrong.append(f"the page lacks '{found}'")
-    own = [row for row in rows if row["peer"] == "Brittle" and int(row["pieces"]) == 8 and float(row["worst_cell"]) < 1e-15]
+    own = [row for row in rows if row["peer"] == "Brittle" and int(row["pieces"]) == 8
+           and float(row["worst_cell"]) < 1e-15]
     if not own or len([row for row in rows if row["peer"].startswith("octants")]) != len(FAULTS):
         wrong.append(f"rows are missing among {len(rows)}")
     if "octants sound,1,0," not in samples or "{{" in page or '<i style="color:grey">' not in page:
         wrong.append("samples or page are incomplete")
-    for words, part in ((("--case", "cube/nothing"), "there is no case 'cube/nothing'"), (("--peer", "x"), "no peer begins with x"),
+    for words, part in ((("--case", "cube/nothing"), "there is no case 'cube/nothing'"),
+                        (("--peer", "x"), "no peer begins with x"),
                         (("--adapter", "x"), "wants NAME=COMMAND"), (("--adapter", "x[fast]=y"), "has the options")):
         done = compare(*words)
         if done.returncode != 1 or part not in done.stderr:

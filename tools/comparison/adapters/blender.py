@@ -60,7 +60,8 @@ def run(source, made):
     bpy.context.view_layer.objects.active = source
     before = set(bpy.data.objects)
     begin = time.perf_counter()
-    bpy.ops.object.add_fracture_cell_objects(source={"VERT_CHILD"}, source_limit=0, source_noise=0.0, recursion=0, margin=0.0,
+    bpy.ops.object.add_fracture_cell_objects(source={"VERT_CHILD"}, source_limit=0, source_noise=0.0, recursion=0,
+                                             margin=0.0,
                                              use_recenter=False, use_island_split=True)
     milliseconds = 1e3 * (time.perf_counter() - begin)
     pieces = [thing for thing in bpy.data.objects if thing not in before and thing.type == "MESH"]
