@@ -27,6 +27,7 @@
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
 
+#include "tools/bench/bounds.h"
 #include "tools/bench/broken_bunny.h"
 #include "tools/bench/overlap.h"
 #include "tools/bench/samples.h"
@@ -134,8 +135,6 @@ struct Drift {
     }
 };
 
-constexpr double max_drift = 0.005; // m, of bodies that must stand
-
 Outcome run_standing(Scene scene, const Options& options, bool sleeping, double fall, double seconds = 30.0) {
     scene.settings.sleeping = sleeping;
     Run run(scene, options, seconds);
@@ -146,12 +145,11 @@ Outcome run_standing(Scene scene, const Options& options, bool sleeping, double 
 
 Outcome run_arch(const Options& options, double thickness) {
     Run run(arch(thickness), options, 30.0);
-    Drift drift(run, 0.1);
+    Drift drift(run, arch_fall);
     run.steps(run.seconds, [&] { return drift.look(run); });
     const double limit = min_arch_thickness(arch_stones);
     std::string truth = text("%s: at least %.4f stands", thickness >= limit ? "stands" : "falls", limit);
-    // Near the limit, rounded corners and the gaps between rounded stones decide.
-    const bool sure = thickness >= 0.13 || thickness <= 0.09;
+    const bool sure = thickness >= surely_stands || thickness <= surely_falls;
     return {drift.words(run), std::move(truth),
             sure ? std::optional(drift.stands() == (thickness >= limit)) : std::nullopt};
 }
@@ -168,7 +166,7 @@ Outcome run_slope(const Options& options, double friction, double degrees, bool 
         0.5 * earth_gravity * (std::sin(angle) - friction * std::cos(angle)) * run.seconds * run.seconds;
     if (degrees < 0.0) return {text("%.2f mm in %g s", 1e3 * way, run.seconds), "rests, below 5 mm", way < max_drift};
     return {text("%.3f m in %g s", way, run.seconds), text("slides %.3f m, within 10 %%", theory),
-            std::abs(way / theory - 1.0) <= 0.1};
+            std::abs(way / theory - 1.0) <= max_speed_error};
 }
 
 Outcome run_bounce(const Options& options, Dropped what, bool on_slab, double restitution) {
@@ -184,28 +182,30 @@ Outcome run_bounce(const Options& options, Dropped what, bool on_slab, double re
         return after == 0.0 || speed > 0.0;
     });
     const double by_speed = before > 0.0 ? after / before : 0.0, by_height = std::sqrt(top / height);
-    const bool right = std::abs(by_speed - restitution) <= 0.03 && std::abs(by_height - restitution) <= 0.03;
+    const bool right = std::abs(by_speed - restitution) <= max_restitution_error
+                       && std::abs(by_height - restitution) <= max_restitution_error;
     return {text("%.3f by speed, %.3f by height", by_speed, by_height), text("%g, within 0.03", restitution), right};
 }
 
 Outcome run_dominoes(const Options& options) {
     const Dominoes row;
     Run run(dominoes(row), options, 3.0);
-    constexpr float fallen = 0.9998f; // cosine of half of 2.3 degrees
     std::vector<double> times(run.bodies.size(), -1.0);
     double now = 0.0;
     run.steps(run.seconds, [&] {
         now += run.step_seconds();
         for (size_t i = 0; i < times.size(); ++i)
-            if (times[i] < 0.0 && std::abs(run.world.pose(run.bodies[i]).orientation.w) < fallen) times[i] = now;
+            if (times[i] < 0.0
+                && std::abs(run.world.pose(run.bodies[i]).orientation.w) < static_cast<float>(tilted_cosine))
+                times[i] = now;
         return times.back() < 0.0;
     });
     const double root = std::sqrt(earth_gravity * row.height), theory = domino_wave_speed(row) / root;
-    constexpr size_t from = 20, to = 55; // away from both ends
+    constexpr size_t from = first_timed_domino, to = last_timed_domino;
     const std::string truth = text("%.2f within 10 %%: van Leeuwen 2010, friction %g", theory, row.friction);
     if (times[from] < 0.0 || times[to] < 0.0) return {"the wave dies", truth, false};
     const double speed = static_cast<double>(to - from) * (row.gap + row.thickness) / (times[to] - times[from]) / root;
-    return {text("%.2f", speed), truth, std::abs(speed / theory - 1.0) <= 0.1};
+    return {text("%.2f", speed), truth, std::abs(speed / theory - 1.0) <= max_speed_error};
 }
 
 Outcome run_dzhanibekov(const Options& options) {
@@ -230,7 +230,7 @@ Outcome run_fall(const Options& options) {
     Scene scene;
     scene.settings.air_density = 0.0f;
     scene.settings.ground_height = {};
-    scene.bodies.push_back(box_body(glm::dvec3(0.2), glm::dvec3(0.0)));
+    add_box(scene, glm::dvec3(0.2), glm::dvec3(0.0));
     Run run(scene, options, 10.0);
     run.steps(run.seconds);
     const double depth = -run.place(0).y, theory = 0.5 * earth_gravity * run.seconds * run.seconds;
@@ -258,7 +258,8 @@ Outcome run_pile(const Options& options, uint32_t sites) {
     const double most = 1e3 * longest(depths), p95 = 1e3 * percentile_95(depths);
     return {text("%zu pieces, %zu overlaps, max %.2f mm, p95 %.2f mm, top %.2f m, mean distance %.2f m", hulls.size(),
                  depths.size(), most, p95, top, reach),
-            "0; at most 4.9 / 1.0 mm", std::isfinite(reach) && most <= 4.9 && p95 <= 1.0};
+            "0; at most 4.9 / 1.0 mm",
+            std::isfinite(reach) && most <= 1e3 * max_overlap && p95 <= 1e3 * max_overlap_p95};
 }
 
 std::string times_text(const std::vector<double>& times) {
@@ -307,7 +308,7 @@ Outcome run_rubble(const Options& options, uint32_t sites) {
         }
         pile.radius = percentile_95(reach);
         for (const double share : shares_inside(features, poses))
-            if (share > 0.2) pile.inside += 1.0 / static_cast<double>(poses.size());
+            if (share > max_share_inside) pile.inside += 1.0 / static_cast<double>(poses.size());
         return pile;
     };
     const Pile pile = pile_of({.sleeping = false});
@@ -346,18 +347,19 @@ std::vector<Row> all_rows(bool large) {
     };
     for (const double edge : {1.0, 0.1}) {
         for (const int count : {10, 20, 50})
-            add(text("stack of %d, %g m, awake", count, edge),
-                [=](const Options& options) { return run_standing(stack(count, edge), options, false, 0.5 * edge); });
+            add(text("stack of %d, %g m, awake", count, edge), [=](const Options& options) {
+                return run_standing(stack(count, edge), options, false, stack_fall * edge);
+            });
         add(text("stack of 20, %g m, sleeping on", edge),
-            [=](const Options& options) { return run_standing(stack(20, edge), options, true, 0.5 * edge); });
+            [=](const Options& options) { return run_standing(stack(20, edge), options, true, stack_fall * edge); });
         for (const double ratio : {10.0, 100.0})
             add(text("5 boxes under %g x their mass, %g m, awake", ratio, edge), [=](const Options& options) {
-                return run_standing(loaded_stack(5, edge, ratio), options, false, 0.5 * edge);
+                return run_standing(loaded_stack(5, edge, ratio), options, false, stack_fall * edge);
             });
     }
     for (const int levels : {1, 2, 3, 4})
         add(text("cards: house of %d level%s, awake", levels, levels == 1 ? "" : "s"),
-            [=](const Options& options) { return run_standing(card_house(levels), options, false, 0.02); });
+            [=](const Options& options) { return run_standing(card_house(levels), options, false, card_fall); });
     for (const double thickness : {0.07, 0.09, 0.10, 0.11, 0.13, 0.15, 0.20})
         add(text("arch t/R %.2f, awake", thickness),
             [=](const Options& options) { return run_arch(options, thickness); });

@@ -36,7 +36,7 @@ Scene solids(const fracture::TriangleMesh& mesh, double density = stone_density)
     Scene scene;
     const std::vector<fracture::FaceSource> sources(mesh.triangles.size());
     for (const fracture::Island& solid : fracture::split_islands(mesh.positions, mesh.triangles, sources))
-        scene.bodies.push_back(convex_body(solid.positions, density));
+        add_convex(scene, solid.positions, density);
     return scene;
 }
 
@@ -66,14 +66,13 @@ void add_rocks(Scene& scene, int side, int layers, int points, double radius, do
         for (int i = 0; i < side * side; ++i) {
             const glm::dvec3 at(pitch * (i % side - 0.5 * (side - 1)), height + radius + pitch * layer,
                                 pitch * (i / side - 0.5 * (side - 1)));
-            scene.bodies.push_back(convex_body(rock(random, points, radius)));
-            scene.bodies.back().pose.position += glm::vec3(at);
+            add_convex(scene, rock(random, points, radius)).pose.position += glm::vec3(at);
         }
 }
 
 } // namespace
 
-BodyDesc convex_body(std::span<const glm::dvec3> points, double density, uint32_t max_vertices) {
+BodyDesc& add_convex(Scene& scene, std::span<const glm::dvec3> points, double density, uint32_t max_vertices) {
     glm::dvec3 middle(0.0);
     for (const glm::dvec3& point : points) middle += point / static_cast<double>(points.size());
     std::vector<glm::vec3> around;
@@ -81,7 +80,10 @@ BodyDesc convex_body(std::span<const glm::dvec3> points, double density, uint32_
     const fracture::TriangleMesh mesh = physics::hull_mesh(around);
     const fracture::MassProperties mass = fracture::mass_properties(mesh.positions, mesh.triangles);
     const glm::dvec3 centre = middle + mass.centre_of_mass;
-    BodyDesc body{.hull = physics::collision_hull(points, centre, {.max_vertices = max_vertices})};
+    std::vector<glm::dvec3>& solid = scene.solids.emplace_back(points.begin(), points.end());
+    for (glm::dvec3& point : solid) point -= centre;
+    BodyDesc& body = scene.bodies.emplace_back();
+    body.hull = physics::collision_hull(points, centre, {.max_vertices = max_vertices});
     body.mass = static_cast<float>(density * mass.volume);
     body.inertia = glm::mat3(density * mass.inertia);
     body.pose.position = glm::vec3(centre);
@@ -89,8 +91,8 @@ BodyDesc convex_body(std::span<const glm::dvec3> points, double density, uint32_
     return body;
 }
 
-BodyDesc box_body(const glm::dvec3& size, const glm::dvec3& centre, double density) {
-    BodyDesc body = convex_body(box_corners(size), density);
+BodyDesc& add_box(Scene& scene, const glm::dvec3& size, const glm::dvec3& centre, double density) {
+    BodyDesc& body = add_convex(scene, box_corners(size), density);
     body.pose.position = glm::vec3(centre);
     return body;
 }
@@ -124,10 +126,7 @@ Scene card_house(int levels) {
 Scene arch(double thickness, int stones, double friction) {
     Scene scene = solids(fracture::stone_arch(thickness, static_cast<uint32_t>(stones), 0.0));
     scene.settings.ground_height = {};
-    for (const double side : {-1.0, 1.0}) {
-        scene.bodies.push_back(box_body({0.6, 0.4, 1.0}, {side, -0.2, 0.0}));
-        scene.bodies.back().fixed = true;
-    }
+    for (const double side : {-1.0, 1.0}) add_box(scene, {0.6, 0.4, 1.0}, {side, -0.2, 0.0}).fixed = true;
     set_friction(scene, friction);
     return scene;
 }
@@ -144,9 +143,8 @@ Scene slope(double angle, double friction) {
     scene.settings.air_density = 0.0f;
     constexpr double slab_half = 0.25, box_half = 0.05, start = 4.0;
     const glm::dvec3 along(std::cos(angle), std::sin(angle), 0.0), up(-std::sin(angle), std::cos(angle), 0.0);
-    scene.bodies.push_back(box_body({0.2, 2.0 * box_half, 0.2}, start * along + box_half * up));
-    scene.bodies.push_back(box_body({12.0, 2.0 * slab_half, 2.0}, -slab_half * up));
-    scene.bodies.back().fixed = true;
+    add_box(scene, {0.2, 2.0 * box_half, 0.2}, start * along + box_half * up);
+    add_box(scene, {12.0, 2.0 * slab_half, 2.0}, -slab_half * up).fixed = true;
     for (BodyDesc& body : scene.bodies) turn_about_z(body, angle);
     set_friction(scene, friction);
     return scene;
@@ -158,15 +156,14 @@ Scene drop(Dropped what, double restitution, bool on_slab, double height) {
     scene.settings.ground_restitution = 1.0f;
     const std::vector<glm::dvec3> points = what == Dropped::ball ? fracture::icosphere(2, ball_radius).positions
                                                                  : box_corners(glm::dvec3(2.0 * ball_radius));
-    BodyDesc body = convex_body(points, stone_density, 64);
+    BodyDesc& body = add_convex(scene, points, stone_density, 64);
     body.pose.position = {0.0f, static_cast<float>(height + ball_radius), 0.0f};
     body.restitution = static_cast<float>(restitution);
-    scene.bodies.push_back(body);
     if (on_slab) {
         scene.settings.ground_height = {};
-        scene.bodies.push_back(box_body({2.0, 0.5, 2.0}, {0.0, -0.25, 0.0}));
-        scene.bodies.back().fixed = true;
-        scene.bodies.back().restitution = 1.0f;
+        BodyDesc& slab = add_box(scene, {2.0, 0.5, 2.0}, {0.0, -0.25, 0.0});
+        slab.fixed = true;
+        slab.restitution = 1.0f;
     }
     return scene;
 }
@@ -174,8 +171,9 @@ Scene drop(Dropped what, double restitution, bool on_slab, double height) {
 Scene dominoes(const Dominoes& row) {
     Scene scene;
     scene.settings.air_density = 0.0f;
-    const BodyDesc domino = box_body({row.thickness, row.height, row.width}, {0.0, 0.5 * row.height, 0.0}, 1200.0);
-    scene.bodies.assign(static_cast<size_t>(row.count), domino);
+    add_box(scene, {row.thickness, row.height, row.width}, {0.0, 0.5 * row.height, 0.0}, 1200.0);
+    scene.bodies.resize(static_cast<size_t>(row.count), BodyDesc(scene.bodies.front()));
+    scene.solids.resize(static_cast<size_t>(row.count), std::vector(scene.solids.front()));
     set_friction(scene, row.friction);
     scene.settings.ground_friction = static_cast<float>(foot_friction / std::sqrt(row.friction));
     for (size_t i = 0; i < scene.bodies.size(); ++i)
@@ -202,13 +200,12 @@ Scene junkyard() {
     for (const double side : {-1.0, 1.0})
         for (const bool along_x : {false, true}) {
             const double away = side * (half + 0.5 * wall), length = 2.0 * (half + wall);
-            scene.bodies.push_back(
-                box_body(along_x ? glm::dvec3(length, wall_height, wall) : glm::dvec3(wall, wall_height, length),
-                         {along_x ? 0.0 : away, 0.5 * wall_height, along_x ? away : 0.0}));
-            scene.bodies.back().fixed = true;
+            add_box(scene, along_x ? glm::dvec3(length, wall_height, wall) : glm::dvec3(wall, wall_height, length),
+                    {along_x ? 0.0 : away, 0.5 * wall_height, along_x ? away : 0.0})
+                .fixed = true;
         }
     // A thousand times as dense as a rock: it keeps its speed.
-    scene.bodies.push_back(box_body({10.0, 0.5, 0.5}, {0.0, beam_height, 0.0}, 1000.0 * stone_density));
+    add_box(scene, {10.0, 0.5, 0.5}, {0.0, beam_height, 0.0}, 1000.0 * stone_density);
     set_friction(scene, 0.5);
     return scene;
 }
@@ -226,12 +223,14 @@ Scene many_pyramids() {
     Scene scene;
     scene.settings = one.settings;
     for (int i = 0; i < 14; ++i)
-        for (int j = 0; j < 14; ++j)
+        for (int j = 0; j < 14; ++j) {
+            scene.solids.insert(scene.solids.end(), one.solids.begin(), one.solids.end());
             for (const BodyDesc& cube : one.bodies) {
                 scene.bodies.push_back(cube);
                 scene.bodies.back().pose.position +=
                     glm::vec3(6.5f * static_cast<float>(i), 0.0f, static_cast<float>(j));
             }
+        }
     return scene;
 }
 
@@ -240,9 +239,8 @@ Scene dzhanibekov() {
     scene.settings.gravity = glm::vec3(0.0f);
     scene.settings.ground_height = {};
     scene.settings.air_density = 0.0f;
-    scene.bodies.push_back(box_body({0.3, 0.1, 0.2}, glm::dvec3(0.0), 1000.0));
     // X has the least moment and Y the greatest.
-    scene.bodies.back().angular_velocity = {0.01f, 0.01f, 10.0f};
+    add_box(scene, {0.3, 0.1, 0.2}, glm::dvec3(0.0), 1000.0).angular_velocity = {0.01f, 0.01f, 10.0f};
     return scene;
 }
 

@@ -23,17 +23,20 @@ namespace brittle::tools {
 struct Scene {
     physics::WorldSettings settings{.debris_size = 0.0f, .max_colliding = 0, .sleeping = false};
     std::vector<physics::BodyDesc> bodies{};
+    // By body: points whose convex hull is the solid, relative to the centre of mass, in body axes. The body's own hull
+    // is smaller by its margin. For programs that make other shapes of the solid.
+    std::vector<std::vector<glm::dvec3>> solids{};
 };
 
 inline constexpr double stone_density = 2400.0; // kg/m^3
 inline constexpr double earth_gravity = 9.81;   // m/s^2, as in WorldSettings
 
-// A body of the convex hull of world points, at rest. Mass and inertia are those of the full hull.
-[[nodiscard]] physics::BodyDesc convex_body(std::span<const glm::dvec3> points, double density = stone_density,
-                                            uint32_t max_vertices = 32);
-// A box with its axes along the world's.
-[[nodiscard]] physics::BodyDesc box_body(const glm::dvec3& size, const glm::dvec3& centre,
-                                         double density = stone_density);
+// Adds a body of the convex hull of world points, at rest, and returns it. Mass and inertia are those of the full hull.
+physics::BodyDesc& add_convex(Scene& scene, std::span<const glm::dvec3> points, double density = stone_density,
+                              uint32_t max_vertices = 32);
+// Adds a box with its axes along the world's.
+physics::BodyDesc& add_box(Scene& scene, const glm::dvec3& size, const glm::dvec3& centre,
+                           double density = stone_density);
 // Sets the coefficient of contacts among bodies and with the ground.
 void set_friction(Scene& scene, double coefficient);
 
