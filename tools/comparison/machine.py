@@ -1,6 +1,7 @@
 """The machine, and how busy others keep it."""
 import os
 import platform
+import time
 from pathlib import Path
 
 TICK = os.sysconf("SC_CLK_TCK")
@@ -38,6 +39,21 @@ def seconds_of(pid):
     """Processor time of a process with its threads, 0 once it has ended."""
     fields = text_of(f"/proc/{pid}/stat").rpartition(")")[2].split()
     return (int(fields[11]) + int(fields[12])) / TICK if len(fields) > 12 else 0.0
+
+
+class Others:
+    """What neither this command nor the peers that it notes use of the machine, from its making on."""
+
+    def __init__(self):
+        self.begin, self.busy, self.own, self.noted = time.monotonic(), busy_seconds(), sum(os.times()[:4]), 0.0
+
+    def note(self, pid):
+        """Counts a child once, at its end. Children that have ended count as this command's own."""
+        self.noted += seconds_of(pid)
+
+    def share(self):
+        used = self.noted + sum(os.times()[:4]) - self.own
+        return max(0.0, busy_seconds() - self.busy - used) / ((time.monotonic() - self.begin) * (os.cpu_count() or 1))
 
 
 def memory_of(pid, key="VmHWM"):

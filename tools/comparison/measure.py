@@ -2,7 +2,6 @@
 import json
 import os
 import subprocess
-import time
 
 from . import machine
 from .peers import BUILD
@@ -68,8 +67,7 @@ def run_case(case, peers, seconds, limit, binaries, expectations, say):
     logs = BUILD / "logs"
     logs.mkdir(parents=True, exist_ok=True)
     rows, sessions = [], []
-    begin, busy, own = time.monotonic(), machine.busy_seconds(), sum(os.times()[:4])
-    load_before = machine.load()
+    watch, load_before = machine.Others(), machine.load()
     for peer in peers:
         for threads in peer.threads:
             row = new_row(case, peer, threads)
@@ -79,11 +77,11 @@ def run_case(case, peers, seconds, limit, binaries, expectations, say):
                 continue
             try:
                 log = logs / f"{case.name}-{peer.name}-{threads}.log".replace("/", "_").replace(" ", "_")
-                sessions.append((row, Session(peer, threads, case, limit, log)))
+                sessions.append((row, Session(peer, threads, (case.part, case.sites_file, case.cells), limit, log)))
             except Failed as failed:
                 row["failure"] = str(failed)
                 expectations.note(case, peer, threads, limit if "no end" in str(failed) else 0.0)
-    active, used = list(sessions), 0.0
+    active = list(sessions)
     while active:
         going = []
         for row, session in active:
@@ -97,13 +95,12 @@ def run_case(case, peers, seconds, limit, binaries, expectations, say):
             except Failed as failed:
                 row["failure"] = str(failed)
                 expectations.note(case, session.peer, session.threads, limit if "no end" in str(failed) else 0.0)
-                used += machine.seconds_of(session.process.pid)
                 session.kill()
         active = going
-    used += sum(machine.seconds_of(session.process.pid) for _, session in sessions if session.process)
-    # What neither this command nor its peers used, others did. Children that ended count as its own.
-    used += sum(os.times()[:4]) - own
-    others = max(0.0, machine.busy_seconds() - busy - used) / ((time.monotonic() - begin) * (os.cpu_count() or 1))
+    for _, session in sessions:
+        if session.process:
+            watch.note(session.process.pid)
+    others = watch.share()
     samples = []
     for row, session in sessions:
         row.update(version=session.version, runs=len(session.samples), pieces=session.pieces,

@@ -83,19 +83,46 @@ def known(binaries, manifold=None):
     return peers
 
 
-def of_command(text, cores=CORES):
+def of_command(text, known_options=("cells", "given", "threads"), cores=CORES):
     """A peer that the command line names: NAME=COMMAND, with options between brackets: NAME[cells,threads]=..."""
     name, found, command = text.partition("=")
     if not found or not name.strip() or not command.strip():
         raise SystemExit(f"tools/compare: --adapter wants NAME=COMMAND, not '{text}'")
     name, _, options = name.strip().partition("[")
     options = {word for word in options.rstrip("]").split(",") if word}
-    if options - {"cells", "given", "threads"}:
-        raise SystemExit(f"tools/compare: --adapter {name} has the options cells, given and threads, not "
-                         + ", ".join(sorted(options - {'cells', 'given', 'threads'})))
+    if unknown := sorted(options - set(known_options)):
+        raise SystemExit(f"tools/compare: --adapter {name} has the options {', '.join(known_options)}, not "
+                         + ", ".join(unknown))
     return Peer(name, shlex.split(command), task="cells" if "cells" in options else "pieces",
                 given_cells="given" in options,
                 threads=tuple(sorted({1, cores})) if "threads" in options else (1,), source="--adapter")
+
+
+def choose(all_peers, names, command="tools/compare"):
+    """Those that can run, of the ones whose name begins with one of `names`, or of all."""
+    if names:
+        all_peers = [peer for peer in all_peers if any(peer.name.lower().startswith(name.lower()) for name in names)]
+        if not all_peers:
+            raise SystemExit(f"{command}: no peer begins with {' or '.join(names)}; {command} --list has the names")
+    chosen = installed(all_peers, command)
+    if not chosen:
+        raise SystemExit(f"{command}: no peer can run; {command} --install gets them")
+    for peer in chosen:
+        if peer.version and (found := package_version(peer.packages[0])) != peer.version:
+            print(f"compare: {peer.packages[0]} is {found or 'not installed'}; the adapter was written for "
+                  f"{peer.version}", flush=True)
+    return chosen
+
+
+def build(binaries, targets):
+    """The folder of our programs: the given one, else they are built."""
+    if binaries:
+        return binaries.resolve()
+    if not (ROOT / "build" / "release" / "build.ninja").exists():
+        subprocess.run(["cmake", "--preset", "release"], cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
+    subprocess.run(["cmake", "--build", "--preset", "release", "--target", *targets], cwd=ROOT, check=True,
+                   stdout=subprocess.DEVNULL)
+    return ROOT / "build" / "release" / "bin"
 
 
 def package_version(package):
@@ -129,7 +156,7 @@ def install(peers):
         if not peer.make or peer.needs in done:
             continue
         done.add(peer.needs)
-        sources = [Path(word) for word in peer.make if str(word).endswith(".cpp")] + [ADAPTERS / "adapter.h"]
+        sources = [Path(word) for word in peer.make if str(word).endswith(".cpp")] + [*ADAPTERS.glob("*.h")]
         if not peer.needs.exists() or any(source.stat().st_mtime > peer.needs.stat().st_mtime for source in sources):
             print(f"compare: compiling the adapter of {peer.name}", flush=True)
             made = subprocess.run([str(word) for word in peer.make], capture_output=True, text=True)
@@ -138,12 +165,12 @@ def install(peers):
                 print(f"compare: the adapter of {peer.name} does not compile: {first}", flush=True)
 
 
-def installed(peers):
-    """Those that can run, and a line for each of the others."""
+def installed(peers, command="tools/compare"):
+    """Those that can run; prints a line for each of the others."""
     ready = []
     for peer in peers:
         if peer.needs is not None and not peer.needs.exists():
-            print(f"compare: {peer.name} is not installed and is left out; tools/compare --install gets it", flush=True)
+            print(f"compare: {peer.name} is not installed and is left out; {command} --install gets it", flush=True)
             continue
         ready.append(peer)
     return ready

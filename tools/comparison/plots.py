@@ -14,8 +14,9 @@ matplotlib.rcParams.update({"svg.hashsalt": "compare", "svg.fonttype": "none", "
 from matplotlib import pyplot  # noqa: E402
 
 COLOURS = dict(zip(("Brittle", "Manifold", "CGAL corefinement", "CGAL clip", "three-bvh-csg", "three-pinata", "Blender",
-                    "OpenVDB", "voro++"),
-                   ("#c0392b", "#2471a3", "#1e8449", "#82c99a", "#7d3c98", "#b9770e", "#d4ac0d", "#148f77", "#34495e")))
+                    "OpenVDB", "voro++", "stock Bullet", "Bullet", "Rapier"),
+                   ("#c0392b", "#2471a3", "#1e8449", "#82c99a", "#7d3c98", "#b9770e", "#d4ac0d", "#148f77", "#34495e",
+                    "#1e8449", "#2471a3", "#b9770e")))
 
 
 def colour(peer):
@@ -53,9 +54,9 @@ def against_sites(rows, folder, task, mesh, key, label, name, title):
     save(figure, folder, name, title)
 
 
-def by_case(rows, folder, name, title):
-    chosen = [row for row in rows if row["task"] == "pieces" and row["p50_ms"] and not row["failure"]
-              and row["mesh"] != "bunny"]
+def by_case(rows, folder, name, title, label="median, ms"):
+    """One line a case, one mark a peer, for the fastest of its thread counts."""
+    chosen = [row for row in rows if row["p50_ms"] and not row["failure"]]
     best = {}
     for row in chosen:  # the fastest of a peer's thread counts
         key = row["case"], row["peer"]
@@ -76,7 +77,7 @@ def by_case(rows, folder, name, title):
                       color=colour(peer) if sound else "#aaaaaa", markerfacecolor=colour(peer) if sound else "white",
                       linestyle="")
         axes.plot([], [], marker="o", color=colour(peer), linestyle="", label=peer)
-    axes.set(xscale="log", xlabel="median, ms", yticks=range(len(cases)), title=title + "; grey rings: not sound")
+    axes.set(xscale="log", xlabel=label, yticks=range(len(cases)), title=title + "; grey rings: not sound")
     axes.set_yticklabels(cases)
     axes.invert_yaxis()
     axes.legend(fontsize=7, loc="center left", bbox_to_anchor=(1.0, 0.5))
@@ -88,12 +89,16 @@ def main():
         rows = list(csv.DictReader(file))
     folder = Path(sys.argv[2])
     folder.mkdir(parents=True, exist_ok=True)
+    if rows and rows[0]["task"] == "physics":
+        by_case(rows, folder, "steps.svg", "Scenes of rigid bodies", "median of a step, ms")
+        return
     against_sites(rows, folder, "pieces", "bunny", "p50_ms", "median, ms", "bunny.svg", "The bunny broken")
     against_sites(rows, folder, "pieces", "bunny", "memory_mb", "peak memory of the process, MB", "memory.svg",
                   "Memory for the bunny")
     against_sites(rows, folder, "cells", "bunny", "p50_ms", "median, ms", "cells.svg",
                   "Voronoi cells in the bunny's box")
-    by_case(rows, folder, "meshes.svg", "Other meshes and sites")
+    others = [row for row in rows if row["task"] == "pieces" and row["mesh"] != "bunny"]
+    by_case(others, folder, "meshes.svg", "Other meshes and sites")
 
 
 main()

@@ -1,34 +1,81 @@
 """Tables of a run: CSV, and the page docs/benchmark.md from page.md."""
 import csv
 import html
+import io
+import subprocess
+import time
 from pathlib import Path
+
+from . import machine
+from .peers import ROOT
 
 FIELDS = ["case", "task", "mesh", "triangles", "site_set", "sites", "peer", "version", "threads", "given_cells",
           "cold_ms", "warm_runs", "min_ms", "p50_ms", "p99_ms", "max_ms", "memory_mb", "memory_ready_mb", "pieces",
           "open", "open_exactly", "crossing", "joined_islands", "negative", "wrong_cells", "worst_cell",
           "volume_error", "wrong_caps", "equal_caps", "reason", "failure", "others_share", "loaded", "load_before",
           "oracle"]
+SAMPLE_FIELDS = ["case", "task", "peer", "threads", "repetition", "ms"]
 LOADED = "**The machine was loaded by others during this run. Rows with a star are not to be relied on.**\n\n"
 TEMPLATE = Path(__file__).parent / "page.md"
 
 
-def write_csv(folder, rows, samples):
+def begin(command):
+    """What is known about a run at its start."""
+    done = subprocess.run(["git", "describe", "--always", "--dirty", "--abbrev=10"], cwd=ROOT, capture_output=True,
+                          text=True)
+    about = {**machine.describe(), "load_before": f"{machine.load():.2f}", "command": command,
+             "commit": done.stdout.strip() or "unknown", "date": time.strftime("%Y-%m-%d", time.gmtime())}
+    print(f"compare: {about['processor']}, {about['cores']} cores, governor {about['governor']}, "
+          f"load {about['load_before']}", flush=True)
+    return about
+
+
+def end(about, rows, peers):
+    about["load_after"] = f"{machine.load():.2f}"
+    sources = {peer.name: peer.source for peer in peers}
+    about["versions"] = list(dict.fromkeys((row["peer"], row["version"], sources[row["peer"]])
+                                           for row in rows if row["version"]))
+    if any(row["loaded"] for row in rows):
+        print("compare: other processes used the machine; rows with a star are not to be relied on, "
+              "nor to be committed", flush=True)
+
+
+def draw(folder):
+    """Pairs of file and title of the plots of rows.csv in the folder, which are drawn there."""
+    drawn = subprocess.run(["/usr/bin/python3", Path(__file__).parent / "plots.py", folder / "rows.csv", folder],
+                           capture_output=True, text=True)
+    if drawn.returncode != 0:
+        why = drawn.stderr.strip().splitlines()[-1:] or ["plots.py failed"]
+        print(f"compare: no plots: {why[0]}", flush=True)
+    return [tuple(line.split("\t")) for line in drawn.stdout.splitlines()]
+
+
+def write(file, text):
+    """Under a temporary name first, so that a file is whole or the one before."""
+    new = file.with_name(file.name + ".new")
+    new.write_text(text, encoding="utf-8")
+    new.rename(file)
+
+
+def write_csv(folder, rows, samples, fields=FIELDS, sample_fields=SAMPLE_FIELDS):
+    def rounded(value):
+        return f"{value:.6g}" if isinstance(value, float) else value
+
     folder.mkdir(parents=True, exist_ok=True)
-    with open(folder / "rows.csv", "w", newline="", encoding="utf-8") as out:
-        table = csv.DictWriter(out, FIELDS, extrasaction="ignore", lineterminator="\n")
-        table.writeheader()
-        table.writerows({key: f"{value:.6g}" if isinstance(value, float) else value for key, value in row.items()}
-                        for row in rows)
-    with open(folder / "samples.csv", "w", newline="", encoding="utf-8") as out:
-        table = csv.writer(out, lineterminator="\n")
-        table.writerow(["case", "task", "peer", "threads", "repetition", "ms"])
-        table.writerows([*sample[:5], f"{sample[5]:.6g}"] for sample in samples)
+    out = io.StringIO()
+    table = csv.DictWriter(out, fields, extrasaction="ignore", lineterminator="\n")
+    table.writeheader()
+    table.writerows({key: rounded(value) for key, value in row.items()} for row in rows)
+    write(folder / "rows.csv", out.getvalue())
+    out = io.StringIO()
+    csv.writer(out, lineterminator="\n").writerows([sample_fields, *([*map(rounded, sample)] for sample in samples)])
+    write(folder / "samples.csv", out.getvalue())
 
 
 def milliseconds(value):
     if value is None or value == "":
         return ""
-    return f"{value:,.0f}" if value >= 100 else f"{value:.1f}" if value >= 1 else f"{value:.2f}"
+    return f"{value:,.0f}" if value >= 100 else f"{value:.1f}" if value >= 1 else f"{value:.2g}"
 
 
 def is_sound(row):
@@ -114,7 +161,11 @@ def page(rows, about, plots):
               "loaded": LOADED if loaded else "",
               "bunny": overview(rows, "pieces", "bunny"), "cells": overview(rows, "cells", "bunny"),
               "plots": "\n\n".join(f"![{title}](benchmark/{name})" for name, title in plots)}
-    text = TEMPLATE.read_text(encoding="utf-8")
+    return fill(TEMPLATE, values)
+
+
+def fill(template, values):
+    text = template.read_text(encoding="utf-8")
     for key, value in values.items():
         text = text.replace("{{" + key + "}}", str(value))
     return text

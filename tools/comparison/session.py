@@ -1,4 +1,6 @@
-"""A peer's process: starts it, asks it to run, and ends it. docs/benchmark.md describes the protocol."""
+"""A peer's process: starts it, asks it to run, and ends it. docs/benchmark.md and docs/benchmark-physics.md have the
+protocol.
+"""
 import os
 import select
 import subprocess
@@ -13,12 +15,15 @@ class Failed(Exception):
 
 
 class Session:
-    def __init__(self, peer, threads, case, limit, log):
+    DONE = "done MILLISECONDS PIECES"  # the answer to a run
+
+    def __init__(self, peer, threads, inputs, limit, log):
+        """`inputs`: the files of the case, which the adapter gets before the threads and its own words."""
         self.peer, self.threads, self.limit, self.log = peer, threads, limit, Path(log)
         self.version = peer.name
         self.samples, self.pieces, self.memory, self.memory_ready, self.failure = [], 0, 0.0, 0.0, ""
         self.buffer = b""
-        words = [*peer.command, case.part, case.sites_file, case.cells, str(threads), *peer.words]
+        words = [*peer.command, *inputs, str(threads), *peer.words]
         with open(self.log, "wb") as errors:
             try:
                 self.process = subprocess.Popen([str(word) for word in words], stdin=subprocess.PIPE,
@@ -72,16 +77,19 @@ class Session:
             raise Failed(self.how_it_ended()) from error
         return self.answer(word, seconds)
 
+    def take(self, values):
+        """The words after `done`."""
+        self.samples.append(float(values[0]))
+        self.pieces = int(values[1])
+
     def run(self):
-        """One repetition, ms."""
+        """One repetition."""
         words = self.ask("run", "done", self.limit).split()
         try:
-            self.samples.append(float(words[1]))
-            self.pieces = int(words[2])
+            self.take(words[1:])
         except (IndexError, ValueError) as error:
-            raise Failed(f"answers '{' '.join(words)}' instead of 'done MILLISECONDS PIECES'") from error
+            raise Failed(f"answers '{' '.join(words)}' instead of '{self.DONE}'") from error
         self.memory = max(self.memory, machine.memory_of(self.process.pid))
-        return self.samples[-1]
 
     def write(self, name):
         self.ask(f"write {name}", "written", 120)
