@@ -40,8 +40,9 @@ def known(binaries):
         peers.Peer("Bullet", **peers.compiled(
             "bullet", "-lBulletDynamics", "-lBulletCollision", "-lLinearMath", flags=("-I/usr/include/bullet",),
             source="Debian", packages=("libbullet-dev",), version="3.24+dfsg-2")),
-        peers.Peer("Rapier", ["node", "rapier.mjs"], folder=node, source="npm", packages=("nodejs",),
-                   needs=node / "node_modules" / "@dimforge"),
+        *(peers.Peer(name, ["node", script], folder=node, source="npm", packages=("nodejs",),
+                     needs=node / "node_modules" / package)
+          for name, script, package in (("Rapier", "rapier.mjs", "@dimforge"), ("Jolt", "jolt.mjs", "jolt-physics"))),
     ]
 
 

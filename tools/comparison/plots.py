@@ -14,9 +14,10 @@ matplotlib.rcParams.update({"svg.hashsalt": "compare", "svg.fonttype": "none", "
 from matplotlib import pyplot  # noqa: E402
 
 COLOURS = dict(zip(("Brittle", "Manifold", "CGAL corefinement", "CGAL clip", "three-bvh-csg", "three-pinata", "Blender",
-                    "OpenVDB", "voro++", "stock Bullet", "Bullet", "Rapier"),
+                    "OpenVDB", "voro++", "stock Bullet", "Bullet", "Rapier",
+                    "Jolt"),
                    ("#c0392b", "#2471a3", "#1e8449", "#82c99a", "#7d3c98", "#b9770e", "#d4ac0d", "#148f77", "#34495e",
-                    "#1e8449", "#2471a3", "#b9770e")))
+                    "#1e8449", "#2471a3", "#b9770e", "#7d3c98")))
 
 
 def colour(peer):

@@ -1,4 +1,4 @@
-// The interface of tools/compare --physics for peers in JavaScript. docs/benchmark-physics.md describes protocol and files.
+// The interface of tools/compare --physics for peers in JavaScript. docs/benchmark-physics.md has protocol and files.
 //
 //     await serve("Peer 1.2", (scene, words) => ({   // what is not measured
 //         step() {},                                 // what is measured
@@ -17,8 +17,12 @@ export function readScene(name) {
     const bytes = fs.readFileSync(name), view = new DataView(bytes.buffer, bytes.byteOffset, bytes.length);
     if (bytes.toString("latin1", 0, 8) !== magics.scene) throw new Error(`${name}: does not begin with 'scene 1'`);
     let at = 8;
-    const integers = (count) => Array.from({ length: count }, () => view.getUint32((at += 4) - 4, true));
-    const doubles = (count) => Float64Array.from({ length: count }, () => view.getFloat64((at += 8) - 8, true));
+    const take = (count, size, read) => {
+        if (at + count * size > bytes.length) throw new Error(`${name}: ends early; write it again`);
+        return Array.from({ length: count }, () => read((at += size) - size));
+    };
+    const integers = (count) => take(count, 4, (from) => view.getUint32(from, true));
+    const doubles = (count) => take(count, 8, (from) => view.getFloat64(from, true));
     const [steps, stepsARecord, ground, count] = integers(4), gravity = doubles(3);
     const [step, groundFriction, groundRestitution] = doubles(3);
     const bodies = Array.from({ length: count }, () => {
@@ -42,7 +46,8 @@ function writePoses(name, bodies, records) {
 }
 
 export async function serve(version, prepare) {
-    const say = (line) => fs.writeSync(1, `${line}\n`), reason = (error) => String(error.message ?? error).replaceAll("\n", " ");
+    const say = (line) => fs.writeSync(1, `${line}\n`);
+    const reason = (error) => String(error.message ?? error).replaceAll("\n", " ");
     const [name, threads, ...words] = process.argv.slice(2);
     let scene = null, records = [];
     try {

@@ -1,4 +1,4 @@
-// Rapier as npm ships it, WebAssembly on one thread, for tools/compare --physics: its defaults at the step of the scene.
+// Rapier as npm ships it, WebAssembly on one thread, for tools/compare --physics: its defaults, at the scene's step.
 import RAPIER from "@dimforge/rapier3d-compat";
 import { serve } from "./physics.mjs";
 
@@ -13,13 +13,15 @@ await serve(`Rapier ${RAPIER.version()}`, (scene) => {
         .setRestitution(restitution).setFrictionCombineRule(MULTIPLY).setRestitutionCombineRule(MULTIPLY), body);
     if (scene.ground) {
         // A large box holds bodies better than Rapier's half-space.
-        add(RAPIER.ColliderDesc.cuboid(50, 1, 50).setTranslation(0, -1, 0), scene.groundFriction, scene.groundRestitution);
+        const box = RAPIER.ColliderDesc.cuboid(50, 1, 50).setTranslation(0, -1, 0);
+        add(box, scene.groundFriction, scene.groundRestitution);
     }
     for (const of of scene.bodies) {
         const kind = of.fixed ? RAPIER.RigidBodyDesc.fixed() : RAPIER.RigidBodyDesc.dynamic();
         const body = world.createRigidBody(kind.setTranslation(...of.position).setRotation(quaternion(of.orientation))
             .setLinvel(...of.velocity).setAngvel(vector(of.angularVelocity)).setCanSleep(false)
-            .setAdditionalMassProperties(of.mass, { x: 0, y: 0, z: 0 }, vector(of.moments), { x: 0, y: 0, z: 0, w: 1 }));
+            .setAdditionalMassProperties(of.mass, { x: 0, y: 0, z: 0 }, vector(of.moments),
+                { x: 0, y: 0, z: 0, w: 1 }));
         const shape = RAPIER.ColliderDesc.convexHull(Float32Array.from(of.corners));
         if (!shape) throw new Error("Rapier makes no hull of a body");
         add(shape, of.friction, of.restitution, body);
