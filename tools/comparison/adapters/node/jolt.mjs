@@ -26,13 +26,19 @@ function makeInterface() {
     return using(settings, (all) => new Jolt.JoltInterface(all));
 }
 
+// For a crumb of which Jolt makes no hull: the least box around it that has the same centre of mass.
+function boxOf(corners) {
+    const half = [0, 1, 2].map((axis) => Math.max(...corners.filter((_, k) => k % 3 === axis).map(Math.abs)));
+    return withVector(half, (size) => new Jolt.BoxShape(size, Math.min(0.05, ...half) / 10));
+}
+
 // Hulls lie around their own centre of mass; the body's is the origin.
 function hullOf(corners) {
     const settings = new Jolt.ConvexHullShapeSettings();
     for (let k = 0; k < corners.length; k += 3)
         withVector(corners.slice(k, k + 3), (at) => settings.mPoints.push_back(at));
     const made = settings.Create();
-    if (made.HasError()) throw new Error(`Jolt makes no hull of a body: ${made.GetError().c_str()}`);
+    if (made.HasError()) return boxOf(corners);
     const hull = made.Get(), middle = hull.GetCenterOfMass(), away = [middle.GetX(), middle.GetY(), middle.GetZ()];
     return withVector(away.map((x) => -x), (by) => new Jolt.OffsetCenterOfMassShape(hull, by));
 }
