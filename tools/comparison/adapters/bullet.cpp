@@ -11,9 +11,9 @@ namespace brittle::comparison {
 
 namespace {
 
-// Upper bound of the margin as a share of the distance from the middle of a hull to its nearest face: a tenth of the
-// thickness, as of Bullet's own shapes (btConvexInternalShape::setSafeMargin).
-constexpr btScalar max_margin_share = 0.2f;
+// Upper bound of the margin as a share of the distance from the middle of a hull to its nearest face: a tenth of
+// half the thickness, as of Bullet's own shapes (btConvexInternalShape::setSafeMargin).
+constexpr btScalar max_margin_share = 0.1f;
 
 btScalar scalar(double value) {
     return static_cast<btScalar>(value);
