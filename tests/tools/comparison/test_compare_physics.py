@@ -74,7 +74,8 @@ def main():
         wrong.append(f"Brittle's rows are missing or not sound: {own}")
     if "bounce_50,forms sound,1,0,0.25,0.5,1" not in samples or "{{" in page or '<i style="color:grey">' not in page:
         wrong.append("samples or page are incomplete")
-    for words, part in ((("--scene", "nothing"), "there is no scene nothing"), (("--peer", "x"), "no peer begins with x"),
+    for words, part in ((("--scene", "nothing"), "there is no scene nothing"),
+                        (("--peer", "x"), "no peer begins with x"),
                         (("--adapter", "x"), "wants NAME=COMMAND"), (("--adapter", "x[given]=y"), "has the options")):
         done = compare(*words)
         if done.returncode != 1 or part not in done.stderr:
