@@ -2,6 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 // The picture seen through glass: bent a little, tinted by the way through it, with reflections on top.
 #include "frame.glsl"
+#include "srgb.glsl"
 
 layout(set = 1, binding = binding_image) uniform sampler2D picture; // behind the glass
 layout(set = 3, binding = binding_image) uniform sampler2D sums;    // glass.glsl
@@ -9,14 +10,6 @@ layout(location = 0) out vec4 colour;
 
 const float reference = 0.5; // m, the way of light to which the colour of glass refers
 const float bend = 0.02;     // share of the picture's height by which a normal of length 1 moves what is behind it
-
-vec3 linear_of(vec3 srgb) {
-    return mix(pow((srgb + 0.055) / 1.055, vec3(2.4)), srgb / 12.92, lessThanEqual(srgb, vec3(0.04045)));
-}
-
-vec3 srgb_of(vec3 c) {
-    return mix(1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, 12.92 * c, lessThanEqual(c, vec3(0.0031308)));
-}
 
 // Bilinear, in linear light.
 vec3 picture_at(vec2 at) {

@@ -3,6 +3,7 @@
 #define BRITTLE_LIGHT_GLSL
 
 #include "frame.glsl"
+#include "srgb.glsl"
 
 layout(constant_id = constant_soft_shadows) const bool soft_shadows = false;
 layout(set = 0, binding = binding_shadow) uniform sampler2DShadow shadow_map;
@@ -39,13 +40,11 @@ vec3 background() {
 }
 
 // Converts linear light to the target's colour: exposure, a filmic curve (Narkowicz 2015, a fit of ACES), and the sRGB
-// curve (IEC 61966-2-1), because the targets are UNORM.
+// curve, because the targets are UNORM.
 vec4 display(vec3 light) {
     light *= frame.background_top.w;
     vec3 c = clamp(light * (2.51 * light + 0.03) / (light * (2.43 * light + 0.59) + 0.14), 0.0, 1.0);
-    vec3 low = 12.92 * c;
-    vec3 high = 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055;
-    return vec4(mix(high, low, lessThanEqual(c, vec3(0.0031308))), 1.0);
+    return vec4(srgb_of(c), 1.0);
 }
 
 #endif

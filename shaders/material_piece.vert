@@ -2,6 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 // Pieces with the materials of their mesh, and those without any in the view of materials.
 #include "material_vertex.glsl"
+#include "srgb.glsl"
 
 layout(location = 1) in vec3 normal;
 layout(location = 0) out vec3 from_eye;
@@ -12,10 +13,6 @@ layout(location = 4) out vec2 uv;
 layout(location = 5) out vec4 vertex_colour;
 layout(location = 6) flat out uint material; // 1 + index of the MeshMaterial, or 0
 layout(location = 7) flat out int grain;     // of a fracture surface, or -1
-
-vec3 linear_of(vec3 srgb) {
-    return mix(pow((srgb + 0.055) / 1.055, vec3(2.4)), srgb / 12.92, lessThanEqual(srgb, vec3(0.04045)));
-}
 
 void main() {
     DrawData draw = draws[gl_InstanceIndex];

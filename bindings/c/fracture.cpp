@@ -1,5 +1,4 @@
 // Sites and fractures of the C interface.
-#include <atomic>
 #include <cmath>
 
 #include "bindings/c/handles.h"
@@ -89,12 +88,7 @@ fracture::Settings settings_of(const brittle_fracture_settings& given, const bri
     settings.rough.max_triangles = given.rough_max_triangles;
     if (given.progress)
         settings.progress = [call = given.progress, user = given.user](double share) { call(user, share); };
-    if (given.cancelled || given.cancel_flag) {
-        settings.cancelled = [call = given.cancelled, user = given.user, flag = given.cancel_flag] {
-            if (flag && std::atomic_ref(*const_cast<int32_t*>(flag)).load(std::memory_order_relaxed) != 0) return true;
-            return call && call(user) != 0;
-        };
-    }
+    settings.cancelled = cancel_question(given.cancelled, given.user, given.cancel_flag);
     return settings;
 }
 

@@ -5,9 +5,11 @@
 #pragma once
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <mutex>
@@ -122,6 +124,15 @@ template<class T>
 T& need(T* pointer, const char* name) {
     if (!pointer) refuse(std::string(name) + " is NULL");
     return *pointer;
+}
+
+// Whether a caller cancels: by its function, or by its flag, which any thread may set. Empty where it gave neither.
+[[nodiscard]] inline std::function<bool()> cancel_question(int32_t (*call)(void*), void* user, const int32_t* flag) {
+    if (!call && !flag) return {};
+    return [call, user, flag] {
+        if (flag && std::atomic_ref(*const_cast<int32_t*>(flag)).load(std::memory_order_relaxed) != 0) return true;
+        return call && call(user) != 0;
+    };
 }
 
 constexpr size_t max_struct_size = 4096; // bytes; a larger struct_size was never set

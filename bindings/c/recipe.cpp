@@ -1,5 +1,4 @@
 // Recipes in the C interface.
-#include <atomic>
 #include <filesystem>
 #include <system_error>
 
@@ -45,11 +44,14 @@ Caller::Caller(const brittle_load_settings* settings) {
     void* const user = given.user;
     if (given.progress) progress = [call = given.progress, user](double share) { call(user, share); };
     if (given.report) host.report = [call = given.report, user](const std::string& text) { call(user, text.c_str()); };
-    if (given.cancelled || given.cancel_flag)
-        host.cancelled = [call = given.cancelled, user, flag = given.cancel_flag] {
-            if (flag && std::atomic_ref(*const_cast<int32_t*>(flag)).load(std::memory_order_relaxed) != 0) return true;
-            return call && call(user) != 0;
-        };
+    host.cancelled = cancel_question(given.cancelled, user, given.cancel_flag);
+}
+
+tools::FractureOptions Caller::options_of(const brittle_recipe& recipe) const {
+    tools::FractureOptions options = recipe.options;
+    options.threads = threads;
+    options.save_recipe.clear();
+    return options;
 }
 
 std::string read_path(const char* path, const char* name) {
@@ -116,9 +118,7 @@ brittle_status brittle_recipe_fracture(const brittle_recipe* recipe, const britt
     return guarded_run(error, [&] {
         need(out, "out");
         const c::Caller caller(settings);
-        tools::FractureOptions options = need(recipe, "recipe").options;
-        options.threads = caller.threads;
-        options.save_recipe.clear();
+        const tools::FractureOptions options = caller.options_of(need(recipe, "recipe"));
         tools::Input input = tools::load_input(options, true, caller.host);
         tools::Broken broken = tools::break_input(input, options, caller.progress, nullptr, caller.host.cancelled);
         auto pieces = std::make_unique<brittle_pieces>();

@@ -35,7 +35,6 @@ const tools::PreparedObject& object_at(const brittle_run& run, uint32_t object) 
     return all[object];
 }
 
-// A mesh of a procedural or broken object, with what its file has of materials where that is known.
 std::unique_ptr<brittle_mesh> mesh_of(fracture::TriangleMesh triangles) {
     fracture::Model model;
     model.mesh = std::move(triangles);
@@ -61,9 +60,7 @@ brittle_status brittle_run_start(const brittle_recipe* recipe, const brittle_loa
     return guarded_run(error, [&] {
         need(out, "out");
         const c::Caller caller(settings);
-        tools::FractureOptions options = need(recipe, "recipe").options;
-        options.threads = caller.threads;
-        options.save_recipe.clear();
+        const tools::FractureOptions options = caller.options_of(need(recipe, "recipe"));
         auto run = std::make_unique<brittle_run>(options);
         run->loaded = tools::load_run(options, caller.host, false, caller.progress);
         run->simulation.observe(&run->recorder);

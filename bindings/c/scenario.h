@@ -37,6 +37,9 @@ struct Caller {
     std::function<void(double)> progress;
 
     explicit Caller(const brittle_load_settings* settings);
+
+    // The options of a recipe, for this call.
+    [[nodiscard]] tools::FractureOptions options_of(const brittle_recipe& recipe) const;
 };
 
 // A path in UTF-8, or a Refusal for NULL and for no text.
