@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <chrono>
+#include <utility>
 
 #include "engine/gpu/check.h"
 #include "engine/gpu/memory.h"
@@ -106,20 +107,16 @@ MemoryNeeds GraphExecutor::memory_needs() const {
     };
 }
 
+// Keeps what the plan needs again, wherever its list names it: a frame with one import more has the same transients at
+// other indices, and an allocation of device memory can take a GPU's driver milliseconds.
 void GraphExecutor::prepare_transients(const Plan& plan) {
-    const auto same_heap = [](const Plan::Heap& a, const Plan::Heap& b) {
-        return a.memory_class == b.memory_class && a.size == b.size;
+    const auto fits = [](const Plan::Heap& present, const Plan::Heap& needed) {
+        return present.memory_class == needed.memory_class && present.size >= needed.size
+               && present.size / 2 <= needed.size;
     };
-    bool same = std::ranges::equal(heap_descs_, plan.heaps, same_heap) && transients_.size() == plan.resources.size();
-    for (size_t i = 0; same && i < transients_.size(); ++i) {
-        const bool wanted = is_transient(plan.resources[i]);
-        same = wanted == is_transient(transients_[i].resource)
-               && (!wanted || same_transient(plan.resources[i], transients_[i].resource));
-    }
-    if (same) return;
-
-    destroy_transients();
+    if (!std::ranges::equal(heap_descs_, plan.heaps, fits)) destroy_transients();
     try {
+        if (heaps_.empty()) allocate_heaps(plan);
         create_transients(plan);
     } catch (...) {
         destroy_transients(); // a partial set would be reused as complete by the next call
@@ -127,38 +124,64 @@ void GraphExecutor::prepare_transients(const Plan& plan) {
     }
 }
 
-void GraphExecutor::create_transients(const Plan& plan) {
+void GraphExecutor::allocate_heaps(const Plan& plan) {
     for (const Plan::Heap& heap : plan.heaps) {
         heaps_.push_back(allocate_memory(device_, heap.size, 1u << heap.memory_class, MemoryKind::device));
         heap_descs_.push_back(heap);
     }
-    for (const Plan::Resource& resource : plan.resources) {
-        PassContext::Object& object = transients_.emplace_back(Transient{resource, {}}).object;
-        if (!is_transient(resource)) continue;
-        const VkDeviceMemory heap = heaps_[resource.memory.heap];
-        if (resource.is_image()) {
-            const VkImageCreateInfo info = image_info(resource);
-            check(vkCreateImage(device_.handle(), &info, nullptr, &object.image), "create a transient image");
-            check(vkBindImageMemory(device_.handle(), object.image, heap, resource.memory.offset),
-                  "bind a transient image's memory");
-            if (info.usage & ~transfers) object.view = create_view(device_.handle(), object.image, info.format);
-            device_.set_name(VK_OBJECT_TYPE_IMAGE, reinterpret_cast<uint64_t>(object.image), resource.name.c_str());
-        } else {
-            const VkBufferCreateInfo info = buffer_info(resource);
-            check(vkCreateBuffer(device_.handle(), &info, nullptr, &object.buffer), "create a transient buffer");
-            check(vkBindBufferMemory(device_.handle(), object.buffer, heap, resource.memory.offset),
-                  "bind a transient buffer's memory");
-            device_.set_name(VK_OBJECT_TYPE_BUFFER, reinterpret_cast<uint64_t>(object.buffer), resource.name.c_str());
+}
+
+void GraphExecutor::create_transients(const Plan& plan) {
+    std::vector<Transient> previous = std::exchange(transients_, {});
+    try {
+        for (const Plan::Resource& resource : plan.resources) {
+            Transient& transient = transients_.emplace_back(Transient{resource, {}});
+            if (!is_transient(resource)) continue;
+            const auto equal = std::ranges::find_if(previous, [&](const Transient& other) {
+                return other.object.exists() && same_transient(other.resource, resource);
+            });
+            if (equal != previous.end())
+                std::swap(transient.object, equal->object);
+            else
+                create_transient(transient);
         }
+    } catch (...) {
+        destroy_objects(previous);
+        throw;
+    }
+    destroy_objects(previous);
+}
+
+void GraphExecutor::create_transient(Transient& transient) const {
+    const Plan::Resource& resource = transient.resource;
+    PassContext::Object& object = transient.object;
+    const VkDeviceMemory heap = heaps_[resource.memory.heap];
+    if (resource.is_image()) {
+        const VkImageCreateInfo info = image_info(resource);
+        check(vkCreateImage(device_.handle(), &info, nullptr, &object.image), "create a transient image");
+        check(vkBindImageMemory(device_.handle(), object.image, heap, resource.memory.offset),
+              "bind a transient image's memory");
+        if (info.usage & ~transfers) object.view = create_view(device_.handle(), object.image, info.format);
+        device_.set_name(VK_OBJECT_TYPE_IMAGE, reinterpret_cast<uint64_t>(object.image), resource.name.c_str());
+    } else {
+        const VkBufferCreateInfo info = buffer_info(resource);
+        check(vkCreateBuffer(device_.handle(), &info, nullptr, &object.buffer), "create a transient buffer");
+        check(vkBindBufferMemory(device_.handle(), object.buffer, heap, resource.memory.offset),
+              "bind a transient buffer's memory");
+        device_.set_name(VK_OBJECT_TYPE_BUFFER, reinterpret_cast<uint64_t>(object.buffer), resource.name.c_str());
     }
 }
 
-void GraphExecutor::destroy_transients() {
-    for (const Transient& transient : transients_) {
+void GraphExecutor::destroy_objects(const std::vector<Transient>& transients) const {
+    for (const Transient& transient : transients) {
         vkDestroyImageView(device_.handle(), transient.object.view, nullptr);
         vkDestroyImage(device_.handle(), transient.object.image, nullptr);
         vkDestroyBuffer(device_.handle(), transient.object.buffer, nullptr);
     }
+}
+
+void GraphExecutor::destroy_transients() {
+    destroy_objects(transients_);
     for (VkDeviceMemory heap : heaps_) vkFreeMemory(device_.handle(), heap, nullptr);
     transients_.clear();
     heaps_.clear();

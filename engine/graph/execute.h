@@ -10,7 +10,7 @@
 //     ... submit, wait for its fence ...
 //     for (const PassTime& time : executor.collect_times()) ...
 //
-// The transients of the previous frame are reused when the plan has equal ones, as all frames of one window size have.
+// A transient of the previous frame is reused where the plan has an equal one, and their memory where it suffices.
 // The device must have finished the executor's last frame when record() is called and when the executor is destroyed:
 // wait for the frame's fence first.
 #pragma once
@@ -64,6 +64,7 @@ class PassContext {
         VkImage image = VK_NULL_HANDLE;
         VkImageView view = VK_NULL_HANDLE;
         VkBuffer buffer = VK_NULL_HANDLE;
+        [[nodiscard]] bool exists() const { return image || buffer; }
     };
     const Plan* plan_ = nullptr;
     std::vector<Object> objects_; // indexed by Handle::resource()
@@ -93,7 +94,10 @@ class GraphExecutor {
     };
 
     void prepare_transients(const Plan& plan);
+    void allocate_heaps(const Plan& plan);
     void create_transients(const Plan& plan);
+    void create_transient(Transient& transient) const;
+    void destroy_objects(const std::vector<Transient>& transients) const;
     void destroy_transients();
     void prepare_queries(size_t passes);
     void record_barriers(const std::vector<Plan::Barrier>& barriers, const PassContext& context) const;

@@ -271,6 +271,22 @@ TEST_CASE("ten thousand pieces added and removed in turn need no more memory tha
     CHECK(f.renderer->stats().pieces <= 32);
 }
 
+TEST_CASE("a frame that uploads pieces needs no memory beyond that of the frames around it") {
+    Fixture f;
+    if (!f) return;
+    const Shape cube = box(glm::vec3(0.5f));
+    const PieceMesh mesh = cube.piece(0);
+    uint32_t allocations = 0;
+    for (int cycle = 0; cycle < 12; ++cycle) {
+        const std::vector<PieceHandle> handles = add(f, {&mesh, 1});
+        for (int frame = 0; frame < 3; ++frame) (void)f.draw(empty_stage(), {64, 64}); // the first one uploads
+        REQUIRE(f.renderer->remove_pieces(handles));
+        if (cycle == 3) allocations = f.faults.count(Call::allocate); // each frame in flight has its buffers by now
+    }
+    CHECK(f.faults.count(Call::allocate) == allocations);
+    CHECK(f.device->validation_messages().empty());
+}
+
 TEST_CASE("fading discards a growing, reproducible set of pixels") {
     for (const uint32_t samples : {1u, 4u}) {
         Quality quality = plain_quality;

@@ -44,7 +44,7 @@ ClassifyChoice Profiler::choose(const Scenario& scenario, const Input& input) {
 engine::Renderer& Profiler::renderer() {
     if (!render_device_) render_device_ = open_device(view_);
     if (!renderer_) {
-        renderer_ = must(engine::Renderer::create(*render_device_));
+        renderer_ = must(engine::Renderer::create(*render_device_, renderer_settings(view_)));
         must(renderer_->warm_up());
     }
     return *renderer_;
