@@ -3,7 +3,7 @@
 #include "piece.glsl"
 
 void main() {
+    vec3 normal = flat_normal(); // derivatives are undefined after a discard
     discard_faded(albedo.a);
-    vec3 normal = flat_normal();
     light_piece(albedo.rgb, normal, normal);
 }

@@ -14,9 +14,10 @@
 
 namespace brittle::engine {
 
-FrameLayout::FrameLayout(const Device& device, uint32_t frame_sets, uint32_t image_sets) : device_(device) {
+FrameLayout::FrameLayout(const Device& device, const Quality& quality, uint32_t frame_sets, uint32_t image_sets)
+    : device_(device) {
     try {
-        create(frame_sets, image_sets);
+        create(quality, frame_sets, image_sets);
     } catch (...) {
         destroy();
         throw;
@@ -27,10 +28,10 @@ FrameLayout::~FrameLayout() {
     destroy();
 }
 
-void FrameLayout::create(uint32_t frame_sets, uint32_t image_sets) {
-    // Linear filtering of a depth comparison is 2x2 percentage-closer filtering, and costs nothing on a GPU. A CPU
-    // device pays for each tap, so it uses nearest filtering, which reads one.
-    const VkFilter filter = device_.is_cpu() ? VK_FILTER_NEAREST : VK_FILTER_LINEAR;
+void FrameLayout::create(const Quality& quality, uint32_t frame_sets, uint32_t image_sets) {
+    // Linear filtering of a depth comparison is 2x2 percentage-closer filtering, which softens shadows further and
+    // costs nothing on a GPU. A CPU device pays for each tap. Hard shadows look alike on all devices.
+    const VkFilter filter = *quality.soft_shadows && !device_.is_cpu() ? VK_FILTER_LINEAR : VK_FILTER_NEAREST;
     const VkSamplerCreateInfo sampler{.sType = VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO,
                                       .magFilter = filter,
                                       .minFilter = filter,

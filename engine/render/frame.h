@@ -27,7 +27,8 @@ class Materials;
 // and set 3 hold an image each that a pass reads; set 2 holds the materials of meshes (materials.h).
 class FrameLayout {
   public:
-    FrameLayout(const Device& device, uint32_t frame_sets, uint32_t image_sets); // throws VulkanFailure
+    // All members of `quality` are set. Throws VulkanFailure.
+    FrameLayout(const Device& device, const Quality& quality, uint32_t frame_sets, uint32_t image_sets);
     ~FrameLayout();
     FrameLayout(const FrameLayout&) = delete;
     FrameLayout& operator=(const FrameLayout&) = delete;
@@ -54,7 +55,7 @@ class FrameLayout {
     void update(VkDescriptorSet set, const MaterialBindings& bindings) const;
 
   private:
-    void create(uint32_t frame_sets, uint32_t image_sets);
+    void create(const Quality& quality, uint32_t frame_sets, uint32_t image_sets);
     [[nodiscard]] VkDescriptorSet allocate(VkDescriptorPool pool, VkDescriptorSetLayout set_layout) const;
     void destroy();
 

@@ -9,11 +9,15 @@ namespace brittle::engine {
 
 namespace {
 
+// Smallest buffer, bytes: enough for a thousand pieces, since a GPU's driver takes up to a millisecond to allocate memory
+// and as long to free it.
+constexpr uint64_t min_reserved = 256 << 10;
+
 // Grows the buffer to 1.5 times `size` if it is too small, so that a growing scene does not allocate each frame.
 void reserve(const Device& device, DeviceBuffer& buffer, const char* name, uint64_t size, VkBufferUsageFlags usage,
              MemoryKind kind = MemoryKind::upload) {
     if (buffer.handle() && buffer.size() >= size) return;
-    buffer = DeviceBuffer(device, name, size + size / 2, usage, kind);
+    buffer = DeviceBuffer(device, name, std::max(size + size / 2, min_reserved), usage, kind);
 }
 
 void write_poses(FrameSlot& slot, const SlotSource& from, const Scene& scene) {
