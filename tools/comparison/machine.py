@@ -30,15 +30,26 @@ def load():
 
 
 def busy_seconds():
-    """Processor time of all processes since the start, with what a hypervisor took."""
-    user, nice, system, _, _, irq, softirq, steal = map(int, text_of("/proc/stat").split("\n")[0].split()[1:9])
-    return (user + nice + system + irq + softirq + steal) / TICK
+    """Processor time of all processes since the start, with what a hypervisor took. Interrupts belong to no process: those
+    that a command causes would count as work of others."""
+    user, nice, system, _, _, _, _, steal = map(int, text_of("/proc/stat").split("\n")[0].split()[1:9])
+    return (user + nice + system + steal) / TICK
 
 
 def seconds_of(pid):
     """Processor time of a process with its threads, 0 once it has ended."""
     fields = text_of(f"/proc/{pid}/stat").rpartition(")")[2].split()
     return (int(fields[11]) + int(fields[12])) / TICK if len(fields) > 12 else 0.0
+
+
+def settle(quiet=0.02, interval=0.3, limit=10.0):
+    """Waits until nothing uses the machine: the kernel frees memory and writes files after a process has ended."""
+    end = time.monotonic() + limit
+    while time.monotonic() < end:
+        before = busy_seconds()
+        time.sleep(interval)
+        if busy_seconds() - before <= quiet * interval * (os.cpu_count() or 1):
+            return
 
 
 class Others:

@@ -8,7 +8,7 @@ from .peers import BUILD
 from .session import Failed, Session
 
 LOADED = 0.05        # share of all cores that other processes may use before rows are marked
-MAX_RUNS = 501       # of a peer in a case; of fewer, the start of the processes would show as load by others
+MAX_RUNS = 501       # of a peer in a case
 GATE_SECONDS = 300
 
 
@@ -70,6 +70,7 @@ def run_case(case, peers, seconds, limit, binaries, expectations, say):
     logs = BUILD / "logs"
     logs.mkdir(parents=True, exist_ok=True)
     rows, sessions = [], []
+    machine.settle()
     watch, load_before = machine.Others(), machine.load()
     for peer in peers:
         for threads in peer.threads:
