@@ -20,7 +20,7 @@ struct Quality {
     std::optional<uint32_t> shadow_size{}; // shadow map texels a side, 64 to 8192; default: 1024 on a CPU, else 2048
     // 16 filter taps instead of 1, on a GPU each of 2x2 texels; default: on a GPU only.
     std::optional<bool> soft_shadows{};
-    std::optional<uint32_t> samples{};     // samples a pixel, 1 or 4; default: 1 on a CPU, 4 on a GPU
+    std::optional<uint32_t> samples{}; // samples a pixel, 1 or 4; default: 1 on a CPU, 4 on a GPU
     // Screen-space ambient occlusion, which darkens gaps and the ground under objects; default: on a GPU only.
     std::optional<bool> ambient_occlusion{};
     // Frustum culling of pieces on the device, which does not change the picture; default: if the device has

@@ -69,8 +69,9 @@ struct Target {
 
 struct Renderer::State {
     State(Device& device_, const RendererSettings& settings_)
-        : device(device_), settings(settings_), layout(device_, settings_.quality, frames_in_flight, 5 * frames_in_flight),
-          sphere(device_), shadow_map(device_, *quality().shadow_size), pieces(device_), staging(device_) {
+        : device(device_), settings(settings_),
+          layout(device_, settings_.quality, frames_in_flight, 5 * frames_in_flight), sphere(device_),
+          shadow_map(device_, *quality().shadow_size), pieces(device_), staging(device_) {
         if (*quality().culling) cull.emplace(device_, layout.pipeline_layout());
         for (auto& slot : slots) slot = std::make_unique<FrameSlot>(device_, layout);
     }
