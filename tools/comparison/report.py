@@ -96,6 +96,10 @@ def verdict(row):
     return "sound" if is_sound(row) else html.escape(row["reason"])
 
 
+def threads_text(row):
+    return f"{row['threads']} thread" + ("" if row["threads"] == 1 else "s")
+
+
 def case_table(rows):
     lines = ["| peer | threads | p50 | p99 | max | cold | runs | peak MB | pieces | worst cell | equal caps | verdict "
              "|",
@@ -137,12 +141,12 @@ def losses(rows):
         for row in here:
             if row["peer"].startswith("Brittle"):
                 if not is_sound(row):
-                    lines.append(f"- {case}: {row['peer']} with {row['threads']} threads: {verdict(row)}.")
+                    lines.append(f"- {case}: {row['peer']} with {threads_text(row)}: {verdict(row)}.")
                 continue
             mine = own.get(row["threads"])
             if mine and is_sound(row) and mine.get("p50_ms") and row["p50_ms"] < mine["p50_ms"]:
                 lines.append(f"- {case}: {row['peer']} takes {milliseconds(row['p50_ms'])} ms, {mine['peer']} "
-                             f"{milliseconds(mine['p50_ms'])} ms, with {row['threads']} threads.")
+                             f"{milliseconds(mine['p50_ms'])} ms, with {threads_text(row)}.")
     return "\n".join(lines) or "None in this run."
 
 
