@@ -12,20 +12,8 @@ layout(location = 2) in vec3 smooth_normal;           // zero on cuts
 // The way through glass, metres; the reflected light; the bend of the ray: x and y, on the screen, of the normals.
 layout(location = 0) out vec4 sums;
 
-// The share of light that glass reflects at an angle (Schlick 1994, for an index of refraction of 1.5).
-float fresnel(float cosine) {
-    return 0.04 + 0.96 * pow(1.0 - clamp(cosine, 0.0, 1.0), 5.0);
-}
-
 float luminance(vec3 light) {
     return dot(light, vec3(0.2126, 0.7152, 0.0722));
-}
-
-// The light that comes from a direction: sky above, ground below, and a soft glow around the sun.
-float light_from(vec3 direction, float lit) {
-    float sun = max(dot(direction, frame.to_light.xyz), 0.0);
-    vec3 sky = mix(frame.bounce.rgb, 1.6 * frame.sky.rgb, smoothstep(-0.15, 0.35, direction.y));
-    return luminance(sky + frame.sun.rgb * (0.5 * pow(sun, 10.0) + lit * 24.0 * pow(sun, 600.0)));
 }
 
 void main() {
@@ -53,5 +41,6 @@ void main() {
     mat4 rows = transpose(frame.clip_from_eye);
     sums.zw = vec2(dot(normalize(rows[0].xyz), normal), dot(normalize(rows[1].xyz), normal));
     if (gl_FrontFacing)
-        sums.y = fresnel(dot(normal, view)) * light_from(reflect(-view, normal), sun_visibility(from_eye, facet));
+        sums.y =
+            fresnel(dot(normal, view)) * luminance(light_from(reflect(-view, normal), sun_visibility(from_eye, facet)));
 }

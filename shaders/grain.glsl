@@ -1,45 +1,10 @@
-// Procedural colours of fracture surfaces, by the position in the object in metres. A pattern finer than a pixel fades
-// to its mean, so that it does not flicker.
+// Procedural colours of surfaces without a texture, by the position in the object in metres. A pattern finer than a pixel
+// fades to its mean, so that it does not flicker.
 #ifndef BRITTLE_GRAIN_GLSL
 #define BRITTLE_GRAIN_GLSL
 
+#include "noise.glsl"
 #include "shared.h"
-
-// Three hashes of a lattice point (Jarzynski and Olano 2020, pcg3d).
-uvec3 hashes(ivec3 lattice) {
-    uvec3 v = uvec3(lattice) * 1664525u + 1013904223u;
-    v.x += v.y * v.z;
-    v.y += v.z * v.x;
-    v.z += v.x * v.y;
-    v ^= v >> 16u;
-    v.x += v.y * v.z;
-    v.y += v.z * v.x;
-    v.z += v.x * v.y;
-    return v;
-}
-
-float unit(uint hash) {
-    return float(hash >> 8u) * (1.0 / 16777216.0);
-}
-
-// Value noise from 0 to 1 on a lattice of side 1.
-float noise(vec3 p) {
-    vec3 low = floor(p), t = p - low;
-    ivec3 i = ivec3(low);
-    t = t * t * (3.0 - 2.0 * t);
-    vec4 near, far;
-    near.x = unit(hashes(i).x);
-    near.y = unit(hashes(i + ivec3(1, 0, 0)).x);
-    near.z = unit(hashes(i + ivec3(0, 1, 0)).x);
-    near.w = unit(hashes(i + ivec3(1, 1, 0)).x);
-    far.x = unit(hashes(i + ivec3(0, 0, 1)).x);
-    far.y = unit(hashes(i + ivec3(1, 0, 1)).x);
-    far.z = unit(hashes(i + ivec3(0, 1, 1)).x);
-    far.w = unit(hashes(i + ivec3(1, 1, 1)).x);
-    vec4 layer = mix(near, far, t.z);
-    vec2 row = mix(layer.xy, layer.zw, t.y);
-    return mix(row.x, row.y, t.x);
-}
 
 // Noise of a period, m, around 0, from -1 to 1. `pixel`: the size of a pixel on the surface, m.
 float bumps(vec3 at, float period, float pixel) {
@@ -93,16 +58,38 @@ vec3 grained(uint grain, vec3 mean, vec3 at, float pixel) {
     if (grain == grain_glass) return mean * (1.0 + 0.05 * bumps(at, 0.3, pixel));
     if (grain == grain_ceramic) return mean * (1.0 + 0.05 * octaves(at, 0.03, pixel));
     if (grain == grain_concrete)
-        return mean * pebbles(at, 0.045, pixel) * (1.0 + 0.14 * octaves(at, 0.09, pixel) + 0.10 * bumps(at, 0.006, pixel));
+        return mean * pebbles(at, 0.045, pixel)
+               * (1.0 + 0.14 * octaves(at, 0.09, pixel) + 0.10 * bumps(at, 0.006, pixel));
     if (grain == grain_brick) {
         float dark = smoothstep(0.45, 0.75, bumps(at, 0.016, pixel));
-        return mean * (1.0 + 0.24 * octaves(at, 0.07, pixel) + 0.12 * bumps(at + 5.0, 0.005, pixel)) * (1.0 - 0.45 * dark);
+        return mean * (1.0 + 0.24 * octaves(at, 0.07, pixel) + 0.12 * bumps(at + 5.0, 0.005, pixel))
+               * (1.0 - 0.45 * dark);
     }
     if (grain == grain_stone) {
         float veins = octaves(at + 0.04 * octaves(at + 9.1, 0.35, pixel), 0.22, pixel);
         return mean * (1.0 + 0.30 * veins + 0.13 * bumps(at, 0.008, pixel));
     }
     return mean * (1.0 + 0.10 * octaves(at, 0.12, pixel));
+}
+
+// Returns the colour of an exterior: that of the grain, but worn, sawn, cast or fired smooth.
+vec3 weathered(uint grain, vec3 mean, vec3 at, float pixel) {
+    if (grain == grain_wood) return mix(mean, wood(mean, at, pixel), 0.75);
+    if (grain == grain_concrete)
+        return mean * (1.0 + 0.10 * octaves(at, 0.3, pixel) + 0.06 * bumps(at, 0.012, pixel))
+               * (1.0 - 0.35 * smoothstep(0.62, 0.72, bumps(at + 3.7, 0.02, pixel))); // pores
+    if (grain == grain_brick)
+        return mean * (1.0 + 0.13 * octaves(at, 0.07, pixel) + 0.07 * bumps(at + 5.0, 0.005, pixel));
+    if (grain == grain_stone) {
+        float veins = octaves(at + 0.04 * octaves(at + 9.1, 0.35, pixel), 0.22, pixel);
+        return mean * (1.0 + 0.14 * veins + 0.08 * bumps(at, 0.008, pixel));
+    }
+    return mean;
+}
+
+// The share of the reflection of a smooth coat that an exterior shows: glaze, varnish.
+float gloss_of(uint grain) {
+    return grain == grain_ceramic ? 1.0 : grain == grain_wood ? 0.35 : 0.0;
 }
 
 #endif

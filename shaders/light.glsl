@@ -19,8 +19,7 @@ float sun_visibility(vec3 from_eye, vec3 normal) {
     float texel = frame.bounce.w;
     float lit = 0.0;
     for (int y = 0; y < 4; ++y)
-        for (int x = 0; x < 4; ++x)
-            lit += texture(shadow_map, vec3(s.xy + (vec2(x, y) - 1.5) * texel, s.z));
+        for (int x = 0; x < 4; ++x) lit += texture(shadow_map, vec3(s.xy + (vec2(x, y) - 1.5) * texel, s.z));
     return lit / 16.0;
 }
 
@@ -30,6 +29,20 @@ vec3 shade(vec3 albedo, vec3 normal, float lit, float height, float visible) {
     float open = 0.45 + 0.55 * clamp(height / frame.sky.w + 0.5 * max(normal.y, 0.0), 0.0, 1.0);
     vec3 ambient = mix(frame.bounce.rgb, frame.sky.rgb, 0.5 + 0.5 * normal.y) * (open * visible);
     return albedo * (ambient + frame.sun.rgb * (lit * max(dot(normal, frame.to_light.xyz), 0.0)));
+}
+
+// The share of light that glass, glaze or varnish reflects at an angle (Schlick 1994, for an index of refraction of
+// 1.5).
+float fresnel(float cosine) {
+    return 0.04 + 0.96 * pow(1.0 - clamp(cosine, 0.0, 1.0), 5.0);
+}
+
+// The light that comes from a direction: sky above, ground below, and a soft glow around the sun, which is seen where
+// `lit` is 1.
+vec3 light_from(vec3 direction, float lit) {
+    float sun = max(dot(direction, frame.to_light.xyz), 0.0);
+    vec3 sky = mix(frame.bounce.rgb, 1.6 * frame.sky.rgb, smoothstep(-0.15, 0.35, direction.y));
+    return sky + frame.sun.rgb * (0.5 * pow(sun, 10.0) + lit * 24.0 * pow(sun, 600.0));
 }
 
 // Returns the background of a pixel: a vertical gradient in the picture, not in the world, so that the ground fades

@@ -17,8 +17,12 @@ vec3 cut_texture(uint layer, vec3 to_right, vec3 to_below) {
     vec3 weight = pow(across / max(max(across.x, across.y), max(across.z, 1e-30)), vec3(6.0));
     vec3 sum = weight.x * texel(base_colours, layer, TexturePlace(-in_object.zy, -to_right.zy, -to_below.zy), 0u).rgb;
     sum += weight.y * texel(base_colours, layer, TexturePlace(in_object.xz, to_right.xz, to_below.xz), 0u).rgb;
-    sum += weight.z * texel(base_colours, layer, TexturePlace(in_object.xy * vec2(1.0, -1.0), to_right.xy * vec2(1.0, -1.0),
-                                                              to_below.xy * vec2(1.0, -1.0)), 0u).rgb;
+    sum += weight.z
+           * texel(base_colours, layer,
+                   TexturePlace(in_object.xy * vec2(1.0, -1.0), to_right.xy * vec2(1.0, -1.0),
+                                to_below.xy * vec2(1.0, -1.0)),
+                   0u)
+                 .rgb;
     return sum / (weight.x + weight.y + weight.z);
 }
 
@@ -48,17 +52,22 @@ void main() {
     discard_faded(albedo.a);
     vec3 normal = frame.cuts.y != 0.0 && dot(smooth_normal, facet) > 0.0 ? normalize(smooth_normal) : facet;
     vec3 reflected = albedo.rgb;
+    float gloss = 0.0;
     if (material != 0u) {
         MeshMaterial m = mesh_materials[material - 1u];
         vec4 base = base_colour(m, place, vertex_colour);
         discard_cut_out(m, base.a);
         reflected = base.rgb;
         if (m.normal_layer != 0u) normal = bent(normal, m, place, world_right, world_below);
-    } else if (grain >= 0) {
+    } else if (grain < 0) {
+        uint own = uint(-1 - grain);
+        reflected = weathered(own, albedo.rgb, in_object, max(length(to_right), length(to_below)));
+        gloss = gloss_of(own);
+    } else {
         uint layer = uint(frame.cuts.x);
         float pixel = max(length(to_right), length(to_below));
-        reflected = layer != 0u ? cut_texture(layer, to_right, to_below)
-                                : grained(uint(grain), albedo.rgb, in_object, pixel);
+        reflected =
+            layer != 0u ? cut_texture(layer, to_right, to_below) : grained(uint(grain), albedo.rgb, in_object, pixel);
     }
-    light_piece(reflected, facet, normal);
+    light_piece(reflected, facet, normal, gloss);
 }

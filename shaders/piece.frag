@@ -5,5 +5,5 @@
 void main() {
     vec3 normal = flat_normal(); // derivatives are undefined after a discard
     discard_faded(albedo.a);
-    light_piece(albedo.rgb, normal, normal);
+    light_piece(albedo.rgb, normal, normal, 0.0);
 }

@@ -22,10 +22,16 @@ vec3 flat_normal() {
 }
 
 // Writes the shaded colour. `facet` is the triangle's normal, which offsets the shadow test; `normal` is the shading
-// normal.
-void light_piece(vec3 reflected, vec3 facet, vec3 normal) {
+// normal. `gloss`: the share of the reflection of a smooth coat.
+void light_piece(vec3 reflected, vec3 facet, vec3 normal, float gloss) {
     float height = from_eye.y + frame.eye.y - frame.ground.w;
-    colour = display(shade(reflected, normal, sun_visibility(from_eye, facet), height, sky_visibility(from_eye)));
+    float lit = sun_visibility(from_eye, facet), visible = sky_visibility(from_eye);
+    vec3 light = shade(reflected, normal, lit, height, visible);
+    if (gloss > 0.0) {
+        vec3 view = -normalize(from_eye);
+        light += gloss * visible * fresnel(dot(normal, view)) * light_from(reflect(-view, normal), lit);
+    }
+    colour = display(light);
 }
 
 #endif
