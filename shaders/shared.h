@@ -40,6 +40,9 @@ const uint constant_ambient_occlusion = 1; // bool: binding_image holds the visi
 const uint constant_fading = 2;            // bool: pixels of fading pieces are discarded; fade.glsl
 const uint constant_cut_out = 3;           // bool: pixels that a material cuts out are discarded; mesh_material.glsl
 
+const uint splinter_vertices = 24; // of the mesh of a splinter (splinter.glsl)
+const uint puff_vertices = 6;      // of the square of a puff of dust (dust.vert)
+
 const uint cull_group_size = 64;
 const uint view_camera = 0;
 const uint view_light = 1;

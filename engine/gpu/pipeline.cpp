@@ -37,6 +37,18 @@ VkPipelineShaderStageCreateInfo stage_info(VkShaderStageFlagBits stage, const Sh
             .pSpecializationInfo = constants};
 }
 
+VkPipelineColorBlendAttachmentState blend_state(Blend blend) {
+    const bool over = blend == Blend::over;
+    return {.blendEnable = blend != Blend::replace,
+            .srcColorBlendFactor = over ? VK_BLEND_FACTOR_SRC_ALPHA : VK_BLEND_FACTOR_ONE,
+            .dstColorBlendFactor = over ? VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA : VK_BLEND_FACTOR_ONE,
+            .colorBlendOp = VK_BLEND_OP_ADD,
+            .srcAlphaBlendFactor = over ? VK_BLEND_FACTOR_ZERO : VK_BLEND_FACTOR_ONE,
+            .dstAlphaBlendFactor = VK_BLEND_FACTOR_ONE,
+            .alphaBlendOp = VK_BLEND_OP_ADD,
+            .colorWriteMask = 0xf};
+}
+
 } // namespace
 
 Pipeline::Pipeline(const Device& device, const PipelineDesc& desc) : device_(device.handle()) {
@@ -72,14 +84,7 @@ Pipeline::Pipeline(const Device& device, const PipelineDesc& desc) : device_(dev
                                                       .depthTestEnable = desc.depth,
                                                       .depthWriteEnable = desc.depth && desc.depth_write,
                                                       .depthCompareOp = desc.depth_test};
-    const VkPipelineColorBlendAttachmentState mixing{.blendEnable = desc.adds,
-                                                     .srcColorBlendFactor = VK_BLEND_FACTOR_ONE,
-                                                     .dstColorBlendFactor = VK_BLEND_FACTOR_ONE,
-                                                     .colorBlendOp = VK_BLEND_OP_ADD,
-                                                     .srcAlphaBlendFactor = VK_BLEND_FACTOR_ONE,
-                                                     .dstAlphaBlendFactor = VK_BLEND_FACTOR_ONE,
-                                                     .alphaBlendOp = VK_BLEND_OP_ADD,
-                                                     .colorWriteMask = 0xf};
+    const VkPipelineColorBlendAttachmentState mixing = blend_state(desc.blend);
     const bool has_colour = desc.colour != VK_FORMAT_UNDEFINED;
     const VkPipelineColorBlendStateCreateInfo blend{.sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO,
                                                     .attachmentCount = has_colour ? 1u : 0u,

@@ -18,6 +18,13 @@ namespace brittle::engine {
 
 class Device;
 
+// What becomes of the colour of the attachment under a fragment.
+enum class Blend {
+    replace, // by the fragment's
+    add,     // the sum of both
+    over,    // mixed with the fragment's by its alpha; the alpha of the attachment stays
+};
+
 struct PipelineDesc {
     const char* name = "";
     VkPipelineLayout layout = VK_NULL_HANDLE;
@@ -32,8 +39,8 @@ struct PipelineDesc {
     bool depth_write = true;
     VkCompareOp depth_test = VK_COMPARE_OP_LESS_OR_EQUAL;
     VkFormat colour = VK_FORMAT_UNDEFINED; // undefined: no colour attachment
-    bool adds = false;                     // adds colours to those of the attachment, instead of replacing them
-    uint32_t samples = 1;                  // samples a pixel, in every attachment
+    Blend blend = Blend::replace;
+    uint32_t samples = 1;                            // samples a pixel, in every attachment
     const VkSpecializationInfo* constants = nullptr; // for the fragment shader
 };
 

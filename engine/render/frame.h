@@ -82,7 +82,7 @@ struct Frame {
     const FrameLayout& layout;
     VkDescriptorSet set; // set 0, bound for the whole frame
     // For sets 1 and 3; a pass writes and binds one with bind_image().
-    VkDescriptorSet depth_set, occlusion_set, depth_behind_set, behind_glass_set, glass_set;
+    VkDescriptorSet depth_set, occlusion_set, depth_behind_set, behind_glass_set, glass_set, dust_set;
     const Materials* materials = nullptr; // in the view of materials; else null
     FrameStats stats;
     VkRect2D scissor{}; // the drawn pixels: Scene::region and, if the picture is upscaled, a margin
@@ -92,8 +92,8 @@ struct Frame {
     Buffer corners; // valid if the arena has any: in the view of materials, and with pieces that have some
     // The draw commands of each view: the output of the cull pass or, without it, all commands.
     Buffer camera_commands, light_commands;
-    Buffer visible_counts; // number of visible pieces of each view; valid if there is a cull pass
-    Buffer lines, spheres; // valid if the scene has any
+    Buffer visible_counts;                  // number of visible pieces of each view; valid if there is a cull pass
+    Buffer lines, spheres, splinters, dust; // valid if the scene has any
     Image shadow;
     // Targets. With multisampling, passes draw into `samples` and the last one resolves it into `colour`; otherwise
     // `samples` is invalid and passes draw into `colour`.

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cstring>
+#include <utility>
+
+#include <glm/geometric.hpp>
 
 #include "engine/render/marks_pass.h"
 
@@ -76,6 +79,25 @@ void write_marks(FrameSlot& slot, const Device& device, const Scene& scene) {
     }
 }
 
+// Sorts the dust from back to front, since each puff is drawn over what is behind it.
+void write_particles(FrameSlot& slot, const Device& device, const Scene& scene) {
+    if (!scene.splinters.empty()) {
+        reserve(device, slot.splinters, "splinters", scene.splinters.size_bytes(), VK_BUFFER_USAGE_VERTEX_BUFFER_BIT);
+        std::memcpy(slot.splinters.mapped(), scene.splinters.data(), scene.splinters.size_bytes());
+    }
+    if (!scene.dust.empty()) {
+        reserve(device, slot.dust, "dust", scene.dust.size_bytes(), VK_BUFFER_USAGE_VERTEX_BUFFER_BIT);
+        std::vector<std::pair<float, uint32_t>> order; // by puff: negative square of its distance, index
+        for (const DustPuff& puff : scene.dust) {
+            const glm::vec3 from_eye = puff.centre - scene.camera.eye;
+            order.emplace_back(-glm::dot(from_eye, from_eye), static_cast<uint32_t>(order.size()));
+        }
+        std::ranges::sort(order);
+        const std::span<DustPuff> out = slot.dust.mapped_as<DustPuff>(0, order.size());
+        for (size_t k = 0; k < order.size(); ++k) out[k] = scene.dust[order[k].second];
+    }
+}
+
 void import_written(Frame& frame, const FrameSlot& slot) {
     const auto import = [&](const char* name, const DeviceBuffer& buffer) {
         return frame.graph.import_buffer(name, {buffer.size()},
@@ -88,6 +110,8 @@ void import_written(Frame& frame, const FrameSlot& slot) {
     frame.poses = import("poses", slot.poses);
     if (!frame.scene.lines.empty()) frame.lines = import("lines", slot.lines);
     if (!frame.scene.spheres.empty()) frame.spheres = import("spheres", slot.spheres);
+    if (!frame.scene.splinters.empty()) frame.splinters = import("splinters", slot.splinters);
+    if (!frame.scene.dust.empty()) frame.dust = import("dust", slot.dust);
 }
 
 void import_pieces(Frame& frame, FrameSlot& slot, const Device& device) {
@@ -122,7 +146,7 @@ void import_pieces(Frame& frame, FrameSlot& slot, const Device& device) {
 FrameSlot::FrameSlot(const Device& device, const FrameLayout& layout)
     : executor(device), set(layout.allocate_frame()), depth_set(layout.allocate_image()),
       occlusion_set(layout.allocate_image()), depth_behind_set(layout.allocate_image()),
-      behind_glass_set(layout.allocate_image()), glass_set(layout.allocate_image()),
+      behind_glass_set(layout.allocate_image()), glass_set(layout.allocate_image()), dust_set(layout.allocate_image()),
       uniforms(device, "frame data", sizeof(shared::FrameData), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, MemoryKind::upload),
       visible_counts(device, "pieces in view", shared::view_count * sizeof(uint32_t),
                      VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, MemoryKind::readback),
@@ -135,6 +159,7 @@ void write_slot(FrameSlot& slot, const SlotSource& from, const Scene& scene) {
     write_poses(slot, from, scene);
     write_pieces(slot, from, scene);
     write_marks(slot, from.device, scene);
+    write_particles(slot, from.device, scene);
     from.layout.update(slot.set, {.frame = slot.uniforms.handle(),
                                   .poses = slot.poses.handle(),
                                   .draws = slot.draw_data.handle(),

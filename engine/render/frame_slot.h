@@ -18,7 +18,7 @@ struct FrameSlot {
     FrameSlot(const Device& device, const FrameLayout& layout);
 
     GraphExecutor executor;
-    VkDescriptorSet set, depth_set, occlusion_set, depth_behind_set, behind_glass_set, glass_set;
+    VkDescriptorSet set, depth_set, occlusion_set, depth_behind_set, behind_glass_set, glass_set, dust_set;
     DeviceBuffer uniforms;
     DeviceBuffer visible_counts; // zeroed by the CPU, counted up by the cull pass
     bool culled = false;         // whether the newest frame has a cull pass, and `visible_counts` its result
@@ -32,6 +32,8 @@ struct FrameSlot {
     uint64_t poses_moment = 0; // Scene::moment of the poses; 0: unknown
     DeviceBuffer lines;
     DeviceBuffer spheres;
+    DeviceBuffer splinters;
+    DeviceBuffer dust;    // from back to front
     CommandSlot commands; // last, because its destructor waits for the device before the buffers are destroyed
 };
 

@@ -41,7 +41,7 @@ GlassPass::GlassPass(const Device& device, VkPipelineLayout layout, const Target
                                  .cull = VK_CULL_MODE_NONE,
                                  .depth = false,
                                  .colour = sums_format,
-                                 .adds = true,
+                                 .blend = Blend::add,
                                  .samples = target.samples,
                                  .constants = &constants});
     };

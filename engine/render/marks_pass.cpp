@@ -9,7 +9,7 @@ namespace brittle::engine {
 
 MarksPass::MarksPass(const Device& device, VkPipelineLayout layout, const TargetFormat& target,
                      const SphereMesh& sphere)
-    : sphere_(sphere) {
+    : sphere_(sphere), samples_(target.samples) {
     spheres_ = Pipeline(device, {.name = "spheres",
                                  .layout = layout,
                                  .vertex = sphere_vert,
@@ -35,18 +35,24 @@ MarksPass::MarksPass(const Device& device, VkPipelineLayout layout, const Target
                                .samples = target.samples});
 }
 
-void MarksPass::declare(Frame& frame) const {
+void MarksPass::declare(Frame& frame, VkExtent2D extent) const {
     const Scene& scene = frame.scene;
     const bool lines = frame.lines.valid(), spheres = frame.spheres.valid();
     const Marks hidden{lines && !scene.lines_on_top, spheres && !scene.spheres_on_top};
     const Marks on_top{lines && scene.lines_on_top, spheres && scene.spheres_on_top};
     const bool any_on_top = on_top.lines || on_top.spheres;
-    if (hidden.lines || hidden.spheres) declare(frame, "marks", hidden, VK_ATTACHMENT_LOAD_OP_LOAD, !any_on_top);
-    // Marks on top hide each other: the pass clears the depth buffer and tests against the marks only.
-    if (any_on_top) declare(frame, "marks on top", on_top, VK_ATTACHMENT_LOAD_OP_CLEAR, true);
+    if (hidden.lines || hidden.spheres)
+        frame.depth = declare(frame, "marks", hidden, frame.depth, VK_ATTACHMENT_LOAD_OP_LOAD, !any_on_top);
+    if (!any_on_top) return;
+    // Marks on top hide each other and nothing else.
+    const Image depth = frame.graph.create_image(
+        "depth of marks on top",
+        {.width = extent.width, .height = extent.height, .format = Format::d32_float, .samples = samples_});
+    (void)declare(frame, "marks on top", on_top, depth, VK_ATTACHMENT_LOAD_OP_CLEAR, true);
 }
 
-void MarksPass::declare(Frame& frame, const char* name, Marks marks, VkAttachmentLoadOp depth_load, bool last) const {
+Image MarksPass::declare(Frame& frame, const char* name, Marks marks, Image depth, VkAttachmentLoadOp depth_load,
+                         bool last) const {
     const Buffer sphere = sphere_.import(frame);
     const bool clears = depth_load == VK_ATTACHMENT_LOAD_OP_CLEAR;
     frame.graph.add_pass(
@@ -59,11 +65,12 @@ void MarksPass::declare(Frame& frame, const char* name, Marks marks, VkAttachmen
                 pass.read(frame.spheres, Access::vertex_read);
             }
             frame.write_colour(pass, Access::colour_attachment_load, last);
-            frame.depth = pass.write(frame.depth, clears ? Access::depth_attachment : Access::depth_attachment_load);
+            depth = pass.write(depth, clears ? Access::depth_attachment : Access::depth_attachment_load);
         },
-        [this, &frame, marks, depth_load, last, sphere](PassContext& context) {
+        [this, &frame, marks, depth, depth_load, last, sphere](PassContext& context) {
             const VkCommandBuffer commands = context.commands;
             Rendering rendering = frame.colour_rendering(context, VK_ATTACHMENT_LOAD_OP_LOAD, last);
+            rendering.depth = context.view(depth);
             rendering.depth_load = depth_load;
             begin_rendering(commands, rendering);
             if (marks.spheres) sphere_.draw(context, spheres_, sphere, frame);
@@ -76,6 +83,7 @@ void MarksPass::declare(Frame& frame, const char* name, Marks marks, VkAttachmen
             }
             vkCmdEndRendering(commands);
         });
+    return depth;
 }
 
 } // namespace brittle::engine

@@ -18,19 +18,23 @@ class MarksPass {
     // `sphere` must outlive the pass.
     MarksPass(const Device& device, VkPipelineLayout layout, const TargetFormat& target, const SphereMesh& sphere);
 
-    // Declares up to two passes over frame.colour: marks that pieces may hide, then marks on top of the pieces.
-    void declare(Frame& frame) const;
+    // Declares up to two passes over frame.colour: marks that pieces may hide, then marks on top of the pieces. Those on
+    // top have a depth image of their own, because later passes read frame.depth.
+    void declare(Frame& frame, VkExtent2D extent) const;
 
   private:
     struct Marks {
         bool lines;
         bool spheres;
     };
-    void declare(Frame& frame, const char* name, Marks marks, VkAttachmentLoadOp depth_load, bool last) const;
+    // Returns the new version of `depth`.
+    Image declare(Frame& frame, const char* name, Marks marks, Image depth, VkAttachmentLoadOp depth_load,
+                  bool last) const;
 
     Pipeline spheres_;
     Pipeline lines_;
     const SphereMesh& sphere_;
+    uint32_t samples_;
 };
 
 } // namespace brittle::engine

@@ -27,7 +27,7 @@ Passes& Renderer::State::passes_for(Format format) {
     return passes
         .emplace(format, Passes{ShadowPass(device, pipeline_layout, sphere), std::move(occlusion),
                                 ShadePass(device, pipeline_layout, target, quality()),
-                                MarksPass(device, pipeline_layout, target, sphere), std::nullopt})
+                                MarksPass(device, pipeline_layout, target, sphere), std::nullopt, std::nullopt})
         .first->second;
 }
 
@@ -83,6 +83,7 @@ Frame Renderer::State::begin_frame(FrameSlot& slot, const Scene& scene, const Ta
                 .depth_behind_set = slot.depth_behind_set,
                 .behind_glass_set = slot.behind_glass_set,
                 .glass_set = slot.glass_set,
+                .dust_set = slot.dust_set,
                 .materials = drawn_with};
     if (frame.draws_pieces())
         frame.stats = {.pieces = pieces.pieces(),
@@ -150,8 +151,14 @@ void Renderer::State::declare_scene(Frame& frame, FrameSlot& slot, const Target&
     if (shadow) p.shadow.declare(frame);
     if (p.occlusion) p.occlusion->declare(frame, render_extent);
     p.shade.declare(frame);
-    p.marks.declare(frame);
-    const Image drawn = frame.draws_glass() ? p.glass->declare(frame, result, render_extent) : frame.colour;
+    p.marks.declare(frame, render_extent);
+    Image drawn = frame.draws_glass() ? p.glass->declare(frame, result, render_extent) : frame.colour;
+    if (frame.dust.valid()) {
+        if (!p.dust)
+            p.dust.emplace(device, layout.pipeline_layout(),
+                           TargetFormat{to_vulkan(target.format), *quality().samples});
+        drawn = p.dust->declare(frame, drawn);
+    }
     if (target.scale < 1.0f)
         declare_upscale(frame, drawn);
     else

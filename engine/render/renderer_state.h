@@ -14,6 +14,7 @@
 #include "engine/gpu/check.h"
 #include "engine/gpu/swapchain.h"
 #include "engine/render/cull_pass.h"
+#include "engine/render/dust_pass.h"
 #include "engine/render/frame_slot.h"
 #include "engine/render/glass_pass.h"
 #include "engine/render/id_pass.h"
@@ -38,6 +39,7 @@ struct Passes {
     ShadePass shade;
     MarksPass marks;
     std::optional<GlassPass> glass; // made by the first frame with glass
+    std::optional<DustPass> dust;   // made by the first frame with dust
 };
 
 // The depth seen from the sun. A window has a smaller second map for frames that are drawn with fewer pixels, because
@@ -70,7 +72,7 @@ struct Target {
 struct Renderer::State {
     State(Device& device_, const RendererSettings& settings_)
         : device(device_), settings(settings_),
-          layout(device_, settings_.quality, frames_in_flight, 5 * frames_in_flight), sphere(device_),
+          layout(device_, settings_.quality, frames_in_flight, 6 * frames_in_flight), sphere(device_),
           shadow_map(device_, *quality().shadow_size), pieces(device_), staging(device_) {
         if (*quality().culling) cull.emplace(device_, layout.pipeline_layout());
         for (auto& slot : slots) slot = std::make_unique<FrameSlot>(device_, layout);

@@ -93,6 +93,26 @@ struct Sphere {
 };
 static_assert(sizeof(Sphere) == 16, "the layout of the instance attributes");
 
+// A splinter that a break threw off: a small opaque shard.
+struct Splinter {
+    glm::quat rotation{1.0f, 0.0f, 0.0f, 0.0f}; // unit length
+    glm::vec3 centre{0.0f};
+    float length = 0.01f; // m, half of its longest side
+    glm::vec3 colour{0.5f};
+    float width = 0.4f; // its shorter sides, as a share of the longest
+};
+static_assert(sizeof(Splinter) == 48, "the layout of the instance attributes");
+
+// A puff of dust: a ball of haze, densest in its middle.
+struct DustPuff {
+    glm::vec3 centre{0.0f};
+    float radius = 0.1f; // m
+    glm::vec3 colour{0.5f};
+    float opacity = 0.2f; // share of the light from behind that the middle takes
+    uint32_t pattern = 0; // puffs of different numbers look different
+};
+static_assert(sizeof(DustPuff) == 36, "the layout of the instance attributes");
+
 // The pattern of fracture surfaces in the view of materials (shaders/grain.glsl).
 enum class Grain { plain, glass, stone, concrete, wood, ceramic, brick };
 
@@ -150,7 +170,9 @@ struct Scene {
     std::span<const Sphere> spheres{};   // Voronoi sites, or balls
     bool spheres_on_top = false;
     bool spheres_cast_shadows = false; // true for balls, false for marks; within the bounds
-    bool pieces_visible = true;        // false: only lines, spheres and the ground are drawn
+    std::span<const Splinter> splinters{};
+    std::span<const DustPuff> dust{}; // in any order; it casts no shadows
+    bool pieces_visible = true;       // false: only lines, spheres and the ground are drawn
     bool smooth = false; // true: exterior normals are interpolated except across creases; false: flat shading
     // True: pieces have the materials of their meshes (Renderer::set_materials()), without tints, and their fracture
     // surfaces have a grain. False: they have the colours of the look, and their tints.

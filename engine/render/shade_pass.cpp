@@ -12,8 +12,10 @@
 #include "compiled/piece_smooth_frag.h"
 #include "compiled/piece_smooth_vert.h"
 #include "compiled/piece_vert.h"
+#include "compiled/splinter_vert.h"
 #include "engine/gpu/device.h"
 #include "engine/render/materials.h"
+#include "engine/render/splinter_input.h"
 
 namespace brittle::engine {
 
@@ -41,6 +43,15 @@ ShadePass::ShadePass(const Device& device, VkPipelineLayout layout, const Target
                       .colour = target.colour,
                       .samples = target.samples,
                       .constants = &constants};
+    splinters_ = Pipeline(device, {.name = "splinters",
+                                   .layout = layout,
+                                   .vertex = splinter_vert,
+                                   .fragment = piece_frag,
+                                   .bindings = splinter_bindings,
+                                   .attributes = splinter_attributes,
+                                   .colour = target.colour,
+                                   .samples = target.samples,
+                                   .constants = &constants});
     // Fading pieces have their own pipelines, because a fragment shader with discard loses the early depth test.
     PipelineDesc fading_desc = desc;
     fading_desc.name = "fading pieces";
@@ -146,6 +157,7 @@ void ShadePass::declare(Frame& frame) {
                 read_materials(frame, pass);
             else if (frame.draws_pieces() && frame.scene.smooth)
                 pass.read(frame.normals, Access::vertex_read);
+            if (frame.splinters.valid()) pass.read(frame.splinters, Access::vertex_read);
             pass.read(frame.uniforms, Access::uniform_read);
             pass.read(frame.shadow, Access::sampled_fragment);
             if (frame.occlusion.valid()) pass.read(frame.occlusion, Access::sampled_fragment);
@@ -162,6 +174,7 @@ void ShadePass::declare(Frame& frame) {
             // The shaders declare an image in set 1, so one must be bound. Without occlusion they do not read it.
             frame.bind_image(context, frame.occlusion_set, frame.occlusion.valid() ? frame.occlusion : frame.shadow);
             if (frame.draws_pieces()) draw_all_pieces(frame, context);
+            if (frame.splinters.valid()) draw_splinters(frame, context, splinters_);
             if (frame.scene.ground) {
                 vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, ground_.handle());
                 vkCmdDraw(commands, 6, 1, 0, 0);

@@ -1,4 +1,4 @@
-// Draws the pieces, the ground and the background, in this order, so that the depth test skips hidden pixels. It is one
+// Draws the pieces, the splinters, the ground and the background, in this order, so that the depth test skips hidden pixels. It is one
 // pass, so that a tile-based GPU keeps its tiles.
 #pragma once
 
@@ -24,6 +24,7 @@ class ShadePass {
     Pipeline pieces_, fading_pieces_;
     Pipeline smooth_pieces_, fading_smooth_pieces_;
     MaterialPipelines materials_;
+    Pipeline splinters_;
     Pipeline edges_; // null without Device::has_line_mode()
     Pipeline ground_;
     Pipeline background_;

@@ -6,8 +6,10 @@
 #include "compiled/material_shadow_vert.h"
 #include "compiled/shadow_fading_vert.h"
 #include "compiled/shadow_sphere_vert.h"
+#include "compiled/shadow_splinter_vert.h"
 #include "compiled/shadow_vert.h"
 #include "engine/render/materials.h"
+#include "engine/render/splinter_input.h"
 
 namespace brittle::engine {
 
@@ -43,6 +45,11 @@ ShadowPass::ShadowPass(const Device& device, VkPipelineLayout layout, const Sphe
                                  .vertex = shadow_sphere_vert,
                                  .bindings = SphereMesh::bindings,
                                  .attributes = SphereMesh::attributes});
+    splinters_ = Pipeline(device, {.name = "shadow of splinters",
+                                   .layout = layout,
+                                   .vertex = shadow_splinter_vert,
+                                   .bindings = splinter_bindings,
+                                   .attributes = splinter_attributes});
 }
 
 void ShadowPass::make_material_pipelines() {
@@ -76,7 +83,9 @@ void ShadowPass::declare(Frame& frame) {
                 pass.read(sphere, Access::vertex_read);
                 pass.read(frame.spheres, Access::vertex_read);
             }
-            if (frame.draws_pieces() || spheres) pass.read(frame.uniforms, Access::uniform_read);
+            if (frame.splinters.valid()) pass.read(frame.splinters, Access::vertex_read);
+            if (frame.draws_pieces() || frame.splinters.valid() || spheres)
+                pass.read(frame.uniforms, Access::uniform_read);
             frame.shadow = pass.write(frame.shadow, Access::depth_attachment);
         },
         [this, &frame, cut_out, spheres, sphere](PassContext& context) {
@@ -89,6 +98,7 @@ void ShadowPass::declare(Frame& frame) {
                             cut_out ? PiecePipelines{materials_.cut_out, &materials_.fading}
                                     : PiecePipelines{pipeline_, &fading_});
             if (frame.draws_glass()) draw_pieces(frame, context, frame.light_commands, {glass_, &glass_});
+            if (frame.splinters.valid()) draw_splinters(frame, context, splinters_);
             if (spheres) sphere_.draw(context, spheres_, sphere, frame);
             vkCmdEndRendering(context.commands);
         });

@@ -1,5 +1,5 @@
-// Draws the shadow map: the depth, seen from the sun, of all pieces and, with Scene::spheres_cast_shadows, of all
-// spheres.
+// Draws the shadow map: the depth, seen from the sun, of all pieces and splinters and, with
+// Scene::spheres_cast_shadows, of all spheres.
 #pragma once
 
 #include "engine/gpu/pipeline.h"
@@ -25,6 +25,7 @@ class ShadowPass {
     MaterialPipelines materials_; // of materials that are cut out; `solid` is null
     Pipeline glass_;
     Pipeline spheres_;
+    Pipeline splinters_;
     const SphereMesh& sphere_;
 };
 

@@ -408,8 +408,12 @@ bool Structure::is_detached(uint32_t piece) const {
 }
 
 glm::vec3 Structure::offset(uint32_t piece) const {
+    return in_body(piece, pieces_[piece].centre);
+}
+
+glm::vec3 Structure::in_body(uint32_t piece, const glm::dvec3& point) const {
     if (pieces_[piece].body == none) return glm::vec3(0.0f);
-    return glm::vec3(pieces_[piece].centre - bodies_[pieces_[piece].body].centre);
+    return glm::vec3(point - bodies_[pieces_[piece].body].centre);
 }
 
 std::vector<BodyId> Structure::bodies() const {

@@ -156,6 +156,8 @@ class Structure {
     // centre of mass in the fragments, vertex p of the fragments is at p - centre in the pose of visit_poses(), and at
     // p - centre + offset in the body.
     [[nodiscard]] glm::vec3 offset(uint32_t piece) const;
+    // The position in body coordinates, m, of a point of the fragments that moves with a piece; zero for a removed piece.
+    [[nodiscard]] glm::vec3 in_body(uint32_t piece, const glm::dvec3& point) const;
     [[nodiscard]] std::vector<BodyId> bodies() const; // in order of creation
     // Hashes the state that World::state_hash() lacks: health of bonds, anchors, and the body of each piece.
     [[nodiscard]] uint64_t state_hash() const;

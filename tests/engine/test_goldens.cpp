@@ -1,9 +1,13 @@
 // Pictures of a known scene, compared with those in tests/images. tools/update-goldens rewrites them; inspect them
 // afterwards.
 
+#include <cmath>
 #include <fstream>
+#include <vector>
 
 #include <doctest/doctest.h>
+#include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
 
 #include "renderer_fixture.h"
 
@@ -105,4 +109,29 @@ TEST_CASE("goldens: fading pieces") {
 TEST_CASE("goldens: smooth shading and the wireframe") {
     check_picture("smooth", plain, [](Scene& scene) { scene.smooth = true; });
     check_picture("wireframe", four_samples(), [](Scene& scene) { scene.wireframe = true; });
+}
+
+TEST_CASE("goldens: dust and splinters") {
+    std::vector<DustPuff> dust;
+    std::vector<Splinter> splinters;
+    for (uint32_t k = 0; k < 24; ++k) {
+        const auto turn = 0.7f * static_cast<float>(k), out = 0.25f + 0.05f * static_cast<float>(k);
+        const glm::vec3 at(out * std::cos(turn), 0.15f + 0.03f * static_cast<float>(k % 5), out * std::sin(turn));
+        dust.push_back({.centre = at,
+                        .radius = 0.16f + 0.016f * static_cast<float>(k % 9),
+                        .colour = {0.42f, 0.30f, 0.22f},
+                        .opacity = 0.7f,
+                        .pattern = k});
+        splinters.push_back({.rotation = glm::angleAxis(turn, glm::normalize(glm::vec3(1.0f, 0.4f, 0.2f))),
+                             .centre = 1.2f * at,
+                             .length = 0.03f + 0.003f * static_cast<float>(k),
+                             .colour = {0.5f, 0.42f, 0.33f},
+                             .width = 0.15f + 0.03f * static_cast<float>(k % 12)});
+    }
+    const auto add = [&](Scene& scene) {
+        scene.dust = dust;
+        scene.splinters = splinters;
+    };
+    check_picture("dust_and_splinters", plain, add);
+    check_picture("dust_and_splinters_best_quality", best, add);
 }

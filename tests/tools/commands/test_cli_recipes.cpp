@@ -110,6 +110,7 @@ std::map<std::string, Value> values_of(const std::string& command, const Folder&
         {"--whole", {"--whole"}},
         {"--planes", {"--planes 2"}},
         {"--explode", {"--explode 0.5"}},
+        {"--dust", {"--dust 0.5"}},
         {"--show-sites", {"--show-sites"}},
         {"--show-hulls", {"--show-hulls"}},
         {"--show-cells", {"--show-cells"}},

@@ -17,14 +17,19 @@ using namespace brittle::tools::test;
 
 TEST_CASE("NaN, infinity and text are refused for every number, with limits as people write them") {
     const Folder folder;
-    const std::vector<std::string> options{
-        "fracture:--jitter",         "fracture:--grading",   "fracture:--piece-size", "fracture:--min-volume",
-        "fracture:--scale-sites",    "fracture:--density",   "fracture:--pieces",     "fracture:--seed",
-        "fracture:--threads",        "render:--strength",    "render:--min-size",     "render:--air-density",
-        "render:--height",           "render:--azimuth",     "render:--elevation",    "render:--distance",
-        "render:--explode",          "render:--frames",      "repair:--weld",         "repair:--close-holes",
-        "profile:--threshold",       "fracture:--roughness", "fracture:--rough-size", "fracture:--detail",
-        "fracture:--cells-per-piece"};
+    const std::vector<std::string> options{"fracture:--jitter",      "fracture:--grading",
+                                           "fracture:--piece-size",  "fracture:--min-volume",
+                                           "fracture:--scale-sites", "fracture:--density",
+                                           "fracture:--pieces",      "fracture:--seed",
+                                           "fracture:--threads",     "render:--strength",
+                                           "render:--min-size",      "render:--air-density",
+                                           "render:--height",        "render:--azimuth",
+                                           "render:--elevation",     "render:--distance",
+                                           "render:--explode",       "render:--dust",
+                                           "render:--frames",        "repair:--weld",
+                                           "repair:--close-holes",   "profile:--threshold",
+                                           "fracture:--roughness",   "fracture:--rough-size",
+                                           "fracture:--detail",      "fracture:--cells-per-piece"};
     for (const std::string& option : options)
         for (const char* value : {"nan", "-nan", "inf", "-inf", "NAN(7)", "1e999", "", "three", "0x"}) {
             const size_t colon = option.find(':');

@@ -100,6 +100,7 @@ FractureOptions everything() {
                        .whole = true,
                        .planes = 2,
                        .explode = 0.5f,
+                       .dust = 0.25f,
                        .sites = true,
                        .hulls = true,
                        .colours = PieceColours::pieces,

@@ -227,6 +227,7 @@ int render_scene(const RenderCommand& command, const FilmOptions& film_options, 
     stage.show_hulls(picture.hulls);
     stage.explode(picture.explode);
     stage.colour_by(picture.colours);
+    stage.dust(picture.dust);
     Film film(*renderer, film_options, picture, command.view, stage.home_bounds());
     draw_frames(film, stage, picture.frames);
     if (recorder) recorder->finish();
@@ -262,6 +263,7 @@ int run_render(const RenderCommand& command) {
     const auto renderer = must(engine::Renderer::create(*device, film_settings(command.view)));
     Stage stage(*renderer, input.model.mesh, command.fracture.material, looks);
     stage.colour_by(picture.colours);
+    stage.dust(picture.dust);
     std::optional<Recorder> recorder;
     if (!command.record.empty()) {
         recorder.emplace(command.record, command.fracture, program_host());

@@ -21,6 +21,11 @@ void add_picture_options(CLI::App& render, PictureOptions& picture) {
                     "Distance by which pieces are drawn apart, as a share of their distance from the middle")
         ->check(number_from(0.0, 10.0))
         ->capture_default_str();
+    render
+        .add_option("--dust", picture.dust,
+                    "Share of the dust and splinters of breaks that is drawn: 1 all, 0 none. They move no piece.")
+        ->check(number_from(0.0, 1.0))
+        ->capture_default_str();
     render.add_flag("--show-sites", picture.sites, "Draw the sites as red spheres");
     render.add_flag("--show-hulls", picture.hulls, "Draw the collision hulls as red lines");
     render

@@ -93,6 +93,7 @@ void draw(Replayed& replayed, Player& player) {
                       looks_for(run.source.model, run.input.model.mesh, log.recipe.picture, run.source.model.notes));
     Stage& stage = *owner;
     stage.colour_by(log.recipe.picture.colours);
+    stage.dust(log.recipe.picture.dust);
     stage.simulation().observe(&player);
     follow(log, stage.simulation());
     if (run.of_scene())

@@ -92,6 +92,63 @@ std::vector<engine::CornerLook> looks_of_surface(const physics::SolidPiece& soli
     return made;
 }
 
+// Collects points on the faces of a cut, spread evenly over their area: of each run of triangles of a certain area, the
+// centroid of the last one.
+class CrackPoints {
+  public:
+    explicit CrackPoints(const glm::dvec3& origin) : origin_(origin) {}
+
+    void add(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
+        const glm::vec3 twice(glm::cross(b - a, c - a));
+        triangles_.push_back({glm::vec3((a + b + c) / 3.0 - origin_), twice, 0.5f * glm::length(twice)});
+        area_ += triangles_.back().area;
+    }
+
+    [[nodiscard]] std::vector<CrackPoint> take() const {
+        std::vector<CrackPoint> points;
+        const float run = area_ / static_cast<float>(PieceDrawing::max_cracks);
+        float sum = 0.0f;
+        for (const CrackPoint& triangle : triangles_) {
+            sum += triangle.area;
+            if (triangle.area == 0.0f || sum < run || points.size() == PieceDrawing::max_cracks) continue;
+            points.push_back({triangle.at, glm::normalize(triangle.normal), 0.5f * sum});
+            sum = 0.0f;
+        }
+        return points;
+    }
+
+  private:
+    glm::dvec3 origin_;
+    std::vector<CrackPoint> triangles_; // with normals of any length
+    float area_ = 0.0f;
+};
+
+std::vector<CrackPoint> cracks_of(const physics::SolidPiece& solid, const physics::SolidPiece& cut_from,
+                                  std::span<const ClusterBranch> made) {
+    CrackPoints points(solid.mass.centre_of_mass);
+    if (!solid.is_clustered()) {
+        const physics::SolidSurface& surface = solid.surface();
+        const auto at = [&](uint32_t v) { return glm::dvec3(surface.positions[v]) + solid.mass.centre_of_mass; };
+        for (size_t k = 0; k < surface.cut.size(); ++k) {
+            if (surface.cut[k] < cut_from.cut_limit) continue;
+            const fracture::Triangle& t = surface.mesh.triangles[surface.exterior_triangles + k];
+            points.add(at(t.x), at(t.y), at(t.z));
+        }
+    }
+    for (const ClusterBranch& branch : made) {
+        branch.for_each([&](const ClusterPtr& cluster) {
+            for (size_t t = 0; t < cluster->triangles.size(); ++t) {
+                const uint32_t tag = cluster->tags[t];
+                if (!physics::surface_tag::is_cut(tag) || physics::surface_tag::number(tag) < cut_from.cut_limit)
+                    continue;
+                const auto& [a, b, c] = cluster->triangles[t];
+                points.add(cluster->positions[a], cluster->positions[b], cluster->positions[c]);
+            }
+        });
+    }
+    return points.take();
+}
+
 engine::PieceBatch draw_whole(const physics::SolidPiece& solid, const MeshLooks* looks) {
     const physics::SolidSurface& surface = solid.surface();
     const std::vector<engine::CornerLook> corners =
@@ -131,6 +188,7 @@ std::unique_ptr<PieceDrawing> draw_piece(const physics::SolidPiece& solid, const
     } else {
         drawing->batch = draw_whole(solid, looks);
     }
+    if (cut_from) drawing->cracks = cracks_of(solid, *cut_from, drawing->made);
     return drawing;
 }
 

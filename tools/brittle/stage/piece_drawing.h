@@ -21,10 +21,20 @@
 
 namespace brittle::tools {
 
+// A point of a face that a cut made, for the dust that it throws off.
+struct CrackPoint {
+    glm::vec3 at{0.0f};     // m, from the piece's centre of mass in the axes of the object
+    glm::vec3 normal{0.0f}; // unit
+    float area = 0.0f;      // m^2, this piece's half of the part of the crack that the point stands for
+};
+
 struct PieceDrawing : physics::PiecePayload {
+    static constexpr size_t max_cracks = 12;
+
     engine::PieceBatch batch;
     std::vector<fracture::ClusterBranch> made; // by piece of the batch; empty for a small piece
     std::vector<fracture::ClusterBranch> kept; // branches that the piece has in common with the one that was cut
+    std::vector<CrackPoint> cracks;            // at most max_cracks, on the faces of the last cut
 };
 
 // Makes what `solid` does not have in common with the piece that it was cut from; that may be null, as may the looks of

@@ -184,6 +184,7 @@ void Stage::stand(const fracture::Fragments& fragments, const WorldOptions& worl
     untinted_ = starts_whole(world);
     max_pieces_ = world.piece_limit;
     passed_watch_.reset();
+    start_particles();
     take_events();
 }
 
@@ -200,6 +201,7 @@ void Stage::stand(std::vector<PreparedObject> objects, const WorldOptions& world
     max_pieces_ = world.piece_limit;
     passed_watch_.reset();
     choose_surfaces();
+    start_particles();
     take_events();
 }
 
@@ -215,6 +217,13 @@ void Stage::choose_surfaces() {
         known.push_back(member.material);
         surfaces_.push_back(surface_look(member.material));
     }
+}
+
+void Stage::start_particles() {
+    std::vector<ParticleLook> looks;
+    for (const Simulation::Member& member : simulation_.members())
+        looks.push_back(particle_look(member.material, surface_look(member.material)));
+    particles_.start(simulation_, std::move(looks));
 }
 
 void Stage::shoot(const Shot& shot) {
@@ -298,6 +307,7 @@ void Stage::take_events() {
         draw(added, tint_of(added, events.added, before), left, fresh);
         radii_.resize(std::max<size_t>(radii_.size(), added.slot + size_t{1}), 0.0f);
         radii_[added.slot] = added.solid->radius;
+        particles_.cut(simulation_, added, static_cast<const PieceDrawing&>(*added.payload).cracks);
         members_.resize(radii_.size(), 0);
         members_[added.slot] = simulation_.member_of(added.object);
     }
@@ -338,7 +348,9 @@ void Stage::advance(double seconds) {
     if (!broken()) return;
     pass_view();
     alpha_ = simulation_.advance(seconds);
+    particles_.advance(simulation_);
     take_events();
+    if (!particles_.empty()) moved_ = true;
     // A body that falls asleep reaches its last pose one step later.
     if (world().awake_count() > 0) last_awake_ = simulation_.steps();
     if (simulation_.steps() <= last_awake_ + 2) moved_ = true;
@@ -350,7 +362,7 @@ bool Stage::still() const {
     if (destruction && (destruction->jobs_in_flight() > 0 || destruction->pieces().size() > max_pieces_)) return false;
     for (const physics::Structure* structure : simulation_.structures())
         if (wears(*structure)) return false;
-    return simulation_.steps() > last_awake_ + 2;
+    return particles_.empty() && simulation_.steps() > last_awake_ + 2;
 }
 
 void Stage::show_sites(std::span<const glm::dvec3> sites) {
@@ -430,6 +442,18 @@ void Stage::place(engine::Scene& scene) {
     };
 }
 
+// The exploded view moves particles as it moves pieces.
+void Stage::place_particles(engine::Scene& scene) {
+    splinters_.clear();
+    dust_.clear();
+    particles_.draw(alpha_, splinters_, dust_);
+    const auto move_apart = [&](glm::vec3& at) { at += explode_ * (at - home_.centre()); };
+    for (engine::Splinter& one : splinters_) move_apart(one.centre);
+    for (engine::DustPuff& one : dust_) move_apart(one.centre);
+    scene.splinters = splinters_;
+    scene.dust = dust_;
+}
+
 engine::Scene Stage::scene() {
     engine::Scene scene;
     scene.bounds = home_;
@@ -448,6 +472,7 @@ engine::Scene Stage::scene() {
     scene.spheres_on_top = simulation_.balls().empty();
     scene.spheres_cast_shadows = !scene.spheres_on_top;
     if (broken()) place(scene);
+    place_particles(scene);
     lines_ = own_lines_;
     if (hulls_) {
         debug_lines_.clear();

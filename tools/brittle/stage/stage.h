@@ -25,6 +25,7 @@
 #include "fracture/pieces/fragments.h"
 #include "physics/cutting/piece_payload.h"
 #include "physics/world/world.h"
+#include "tools/brittle/stage/break_particles.h"
 #include "tools/brittle/stage/mesh_looks.h"
 #include "tools/brittle/stage/piece_drawing.h"
 #include "tools/scenario/recipe/input.h"
@@ -94,6 +95,8 @@ class Stage {
     void colour_by(PieceColours colours) { colours_ = colours; }
     // Whether the scene is drawn with materials: as colour_by() says, or where a mesh has some.
     [[nodiscard]] bool shows_materials() const { return tools::shows_materials(colours_, has_materials_); }
+    // Share of the dust and splinters of breaks that is drawn, 0 to 1; 0, none, at first.
+    void dust(float amount) { particles_.set_amount(amount); }
     void show_hulls(bool show) { hulls_ = show; } // collision hulls as red lines
 
     // Returns the scene at this moment, without a camera; valid until the stage changes.
@@ -105,12 +108,14 @@ class Stage {
     [[nodiscard]] const physics::World& world() const { return simulation_.world(); }
     [[nodiscard]] bool broken() const { return simulation_.running(); }
     // Returns whether the passing of time changes nothing: no body has moved for some steps, no cut is under way, no
-    // bond wears, and no debris is beyond the limit.
+    // bond wears, no debris is beyond the limit, and no dust is left.
     [[nodiscard]] bool still() const;
 
   private:
     void draw_anew(engine::PieceBatch batch);
     void take_events();
+    void start_particles();
+    void place_particles(engine::Scene& scene);
     // What the renderer draws of a breakable piece: all of a small one, or a branch of a large one.
     struct Part {
         std::optional<fracture::ClusterBranch> branch;
@@ -161,6 +166,9 @@ class Stage {
     std::vector<physics::DebugLine> debug_lines_;
     std::vector<engine::LineVertex> own_lines_, lines_;
     std::vector<engine::Sphere> spheres_, shown_spheres_; // the sites; sites and balls
+    BreakParticles particles_;
+    std::vector<engine::Splinter> splinters_;
+    std::vector<engine::DustPuff> dust_;
     std::optional<Watch> watch_, passed_watch_; // the view set by watch(), and the last view passed in this run
     float alpha_ = 1.0f;
     float explode_ = 0.0f;

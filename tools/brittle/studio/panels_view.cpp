@@ -138,6 +138,9 @@ void Panels::view_panel(const PanelState& state) {
         second_column();
         toggle("Wireframe", "Edges of triangles (O)", view.wireframe);
     }
+    bool dust = view.dust > 0.0f;
+    if (toggle("Dust", "Dust and splinters of breaks; they move no piece", dust)) view.dust = dust ? 1.0f : 0.0f;
+    second_column();
     bool materials = state.session.stage().shows_materials();
     if (toggle("Materials",
                "Materials and textures of the mesh, with a grain in the cuts; or a colour for each piece (C)",

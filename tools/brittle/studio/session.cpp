@@ -457,6 +457,7 @@ engine::Scene Session::scene(const engine::Camera& camera) {
     stage_->show_hulls(view.hulls);
     stage_->explode(view.explode);
     stage_->colour_by(view.colours);
+    stage_->dust(view.dust);
     const bool marks_sites =
         !broken() && (view.sites || preview_.wanted) && !preview_.aims_at_whole() && recipe().strikes.empty();
     stage_->show_sites(marks_sites || (broken() && view.sites) ? std::span(sites_.on_stage())

@@ -22,6 +22,7 @@ struct PictureOptions {
     // Cut out only the cell of site 0, by this many of its planes, nearest first; 0: fracture the whole mesh.
     uint32_t planes = 0;
     float explode = 0.0f; // draw the pieces apart, by this share of their distance from the middle
+    float dust = 1.0f;    // share of the dust and splinters of breaks that is drawn, 0 to 1
     bool sites = false;   // draw the sites as spheres
     bool hulls = false;   // draw the collision hulls as lines
     PieceColours colours = PieceColours::automatic;

@@ -94,6 +94,7 @@ Json picture_json(const PictureOptions& picture) {
     if (picture.whole) json["whole"] = true;
     if (picture.planes != plain.planes) json["planes"] = picture.planes;
     if (picture.explode != plain.explode) json["explode"] = picture.explode;
+    if (picture.dust != plain.dust) json["dust"] = picture.dust;
     if (picture.sites) json["sites"] = true;
     if (picture.hulls) json["hulls"] = true;
     if (picture.cells) json["cells"] = true;
@@ -305,6 +306,7 @@ void read_picture(JsonReader& reader, PictureOptions& picture) {
     reader.flag("whole", picture.whole);
     reader.whole("planes", picture.planes, 0, 1'000'000);
     number("explode", picture.explode, 0.0, 10.0);
+    number("dust", picture.dust, 0.0, 1.0);
     reader.flag("sites", picture.sites);
     reader.flag("hulls", picture.hulls);
     reader.flag("cells", picture.cells);
