@@ -612,12 +612,13 @@ typedef struct brittle_replay_result {
     uint32_t struct_size;
     uint32_t is_equal;         /* 1: every state was that of the log */
     uint64_t steps, actions;   /* of the log */
-    uint64_t first_difference; /* the first step whose state differs */
+    uint64_t first_difference; /* the first step whose state differs; 0: the start, such as other pieces */
     uint64_t state_hash;       /* of the last state that was reached */
     char difference[1016];     /* what differs, for people; "" where nothing does */
 } brittle_replay_result;
-/* Repeats the run of a replay log up to its end or the first difference. A difference is no error. Errors:
- * malformed_file with line and field, those of brittle_run_start(). out->struct_size must be set. */
+/* Repeats the run of a replay log up to its end or the first difference. A difference is no error. Where the recipe now
+ * gives other pieces than those of the log, no step is taken and no action applied. Errors: malformed_file with line
+ * and field, those of brittle_run_start(). out->struct_size must be set. */
 BRITTLE_API brittle_status brittle_replay(const char* path, const brittle_load_settings* settings,
                                           brittle_replay_result* out, brittle_error* error);
 

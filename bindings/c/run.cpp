@@ -215,7 +215,7 @@ brittle_status brittle_replay(const char* path, const brittle_load_settings* set
         simulation.observe(&player);
         tools::follow(log, simulation);
         run.start(simulation, caller.host);
-        tools::schedule(log, simulation);
+        if (!player.difference()) tools::schedule(log, simulation); // actions name pieces of the log
         while (!player.done() && !player.difference()) {
             tools::throw_if_cancelled(caller.host);
             simulation.step();

@@ -663,7 +663,7 @@ public static unsafe class Brittle
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
     public static extern int brittle_run_save_log(brittle_run* run, [MarshalAs(UnmanagedType.LPUTF8Str)] string path, brittle_error* error);
 
-    /// <summary>Repeats the run of a replay log up to its end or the first difference. A difference is no error. Errors: malformed_file with line and field, those of brittle_run_start(). out-&gt;struct_size must be set.</summary>
+    /// <summary>Repeats the run of a replay log up to its end or the first difference. A difference is no error. Where the recipe now gives other pieces than those of the log, no step is taken and no action applied. Errors: malformed_file with line and field, those of brittle_run_start(). out-&gt;struct_size must be set.</summary>
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
     public static extern int brittle_replay([MarshalAs(UnmanagedType.LPUTF8Str)] string path, brittle_load_settings* settings, brittle_replay_result* @out, brittle_error* error);
 }

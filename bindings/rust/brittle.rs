@@ -525,6 +525,6 @@ extern "C" {
     pub fn brittle_run_object_mesh(run: *const brittle_run, object: u32, out: *mut *mut brittle_mesh, error: *mut brittle_error) -> i32;
     /// Writes the replay log of the run so far. Errors: write_failed.
     pub fn brittle_run_save_log(run: *const brittle_run, path: *const c_char, error: *mut brittle_error) -> i32;
-    /// Repeats the run of a replay log up to its end or the first difference. A difference is no error. Errors: malformed_file with line and field, those of brittle_run_start(). out->struct_size must be set.
+    /// Repeats the run of a replay log up to its end or the first difference. A difference is no error. Where the recipe now gives other pieces than those of the log, no step is taken and no action applied. Errors: malformed_file with line and field, those of brittle_run_start(). out->struct_size must be set.
     pub fn brittle_replay(path: *const c_char, settings: *const brittle_load_settings, out: *mut brittle_replay_result, error: *mut brittle_error) -> i32;
 }
