@@ -138,6 +138,48 @@ TEST_CASE("render and replay export equal pieces at the end of a run") {
     CHECK(run_brittle(folder, run + " --export " + (folder / "none/c.glb")).exit_code == 5);
 }
 
+TEST_CASE("replay exports with the options of the recorded run, which its command line overrides") {
+    const Folder folder;
+    const std::string log = folder / "run.log";
+    const Outcome rendered =
+        run_brittle(folder, "render shape:cube -n 4 --material glass --units cm --frames 5 --size 64x48 --record " + log
+                                + " --per-piece --name vase --hulls unreal --rigid-bodies --hull-parts 2 --density 900 "
+                                  "--export-as made --export "
+                                + (folder / "a.glb"));
+    INFO(rendered.output);
+    if (no_vulkan(rendered)) return;
+    REQUIRE(rendered.exit_code == 0);
+    const auto replay = [&](const std::string& options) {
+        const Outcome outcome = run_brittle(folder, "replay " + log + " " + options);
+        CHECK_MESSAGE(outcome.exit_code == 0, outcome.output);
+        return outcome;
+    };
+    CHECK_FALSE(replay("").has("no effect")); // nothing is exported
+    (void)replay("--export " + (folder / "b.glb"));
+    CHECK_FALSE(fs::exists(folder / "b.glb"));
+    for (const char* piece : {"_000.glb", "_001.glb", "_002.glb", "_003.glb"}) {
+        CAPTURE(piece);
+        REQUIRE(fs::exists(folder / (std::string("b") + piece)));
+        CHECK(read_text(folder / (std::string("a") + piece)) == read_text(folder / (std::string("b") + piece)));
+    }
+    CHECK(read_text(folder / "b_000.glb").find("UCX_vase_000_00") != std::string::npos);
+
+    (void)replay("--one-file --name jug --hulls godot --density 700 --export-as lie --export " + (folder / "c.glb"));
+    REQUIRE(fs::exists(folder / "c.glb"));
+    const std::string given = read_text(folder / "c.glb");
+    CHECK(given.find("jug_000-rigid") != std::string::npos);
+    CHECK(given.find("UCX_") == std::string::npos);
+    CHECK(given.find("KHR_physics_rigid_bodies") != std::string::npos); // of the recorded run
+
+    const Outcome ply = replay("--export " + (folder / "d.ply"));
+    CHECK(ply.has("the recipe's --hulls has no effect"));
+    CHECK(fs::exists(folder / "d_003.ply"));
+    const Outcome refused = run_brittle(folder, "replay " + log + " --hulls unreal --export " + (folder / "e.ply"));
+    CHECK(refused.exit_code == 2);
+    CHECK(refused.has("--hulls: "));
+    CHECK(run_brittle(folder, "replay " + log + " --rigid-bodies").has("--rigid-bodies: there is no file"));
+}
+
 TEST_CASE("a replay that differs has its own exit code and names step and body") {
     const Folder folder;
     const Outcome recorded = record(folder);

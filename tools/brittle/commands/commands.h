@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 
 #include "fracture/doctor/repair.h"
@@ -38,9 +39,11 @@ struct ReplayCommand {
     std::string log;
     std::string pictures; // pictures, as RenderCommand::output; empty: none
     uint32_t every = 10;
-    std::string video;     // empty: none
-    uint32_t threads = 0;  // threads of the fracture; 0: one per core
-    ExportSettings pieces; // files of the pieces at the end of the run; without output: none
+    std::string video;    // empty: none
+    uint32_t threads = 0; // threads of the fracture; 0: one per core
+    // Files of the pieces at the end of the run, by the settings of the log's recipe and the options of the command
+    // line, which win; without output: none. Throws a Failure for an option that has no effect. Never empty.
+    std::function<ExportSettings(const FractureOptions& recipe)> pieces;
     ViewOptions view;
 };
 

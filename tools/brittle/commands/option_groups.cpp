@@ -176,6 +176,10 @@ void add_state_export(CLI::App& command, std::string& output, ExportSettings& pi
     add_export_options(command, pieces);
 }
 
+void refuse_name_of_scene() {
+    throw Failure(exit_usage, "--name: the objects of a scene have names of their own");
+}
+
 std::function<bool(const std::string& option)> given_options(const CLI::App& command) {
     return [&command](const std::string& option) { return command.count(option) > 0; };
 }

@@ -45,6 +45,8 @@ void add_record_option(CLI::App& command, std::string& file);
 void add_export_options(CLI::App& command, ExportSettings& files);
 // --export, to `output`, and --export-as, with the options of add_export_options().
 void add_state_export(CLI::App& command, std::string& output, ExportSettings& pieces);
+// Throws the Failure of --name for a scene.
+[[noreturn]] void refuse_name_of_scene();
 // Whether the command line gives an option, after parsing. The command must outlive the function.
 [[nodiscard]] std::function<bool(const std::string& option)> given_options(const CLI::App& command);
 // Returns the settings that have an effect on `files`, which has the output or the stream (piece_export.h), and tells of

@@ -146,8 +146,7 @@ void add_render(CLI::App& app, Run& run) {
         if (has_other_output && render.count("--output") == 0) command->output.clear();
         settle_view(render, command->fracture.picture, command->view);
         settle_pieces(render, *command);
-        if (render.count("--name") > 0 && is_scene(command->fracture))
-            throw Failure(exit_usage, "--name: the objects of a scene have names of their own");
+        if (render.count("--name") > 0 && is_scene(command->fracture)) refuse_name_of_scene();
         run = [command] {
             command->fracture = scene_of_pieces(std::move(command->fracture));
             return run_render(*command);

@@ -1,6 +1,7 @@
 #include <cstdio>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "tools/brittle/base/console.h"
 #include "tools/brittle/base/device_failure.h"
@@ -34,23 +35,24 @@ void run_steps(Simulation& simulation, const Player& player, uint64_t steps) {
 struct Replayed {
     const ReplayCommand& command;
     const ReplayLog& log;
+    ExportSettings pieces;
     LoadedRun run;
 };
 
 Replayed load(const ReplayCommand& command, const ReplayLog& log) {
-    check_export(command.pieces, "--export");
-    if (is_scene(log.recipe)) check_export_of_scene(log.recipe, command.pieces);
-    const bool exports = !command.pieces.output.empty();
+    ExportSettings pieces = command.pieces(log.recipe);
+    check_export_of_scene(log.recipe, pieces);
+    const bool exports = !pieces.output.empty();
     const bool draws = !command.pictures.empty() || !command.video.empty();
     const InterruptDeadline deadline; // nothing is lost yet
-    return {command, log,
+    return {command, log, std::move(pieces),
             load_run(log.recipe, draws ? drawing_host() : program_host(),
                      exports || (draws && wants_looks(log.recipe.picture)))};
 }
 
 // Writes the pieces, unless the run differed from the log.
 void write_pieces_of(const Replayed& replayed, const Player& player, const Simulation& simulation) {
-    const ExportSettings& pieces = replayed.command.pieces;
+    const ExportSettings& pieces = replayed.pieces;
     const LoadedRun& run = replayed.run;
     if (pieces.output.empty() || player.difference()) return;
     if (run.of_scene()) {

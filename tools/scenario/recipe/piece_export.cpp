@@ -64,35 +64,47 @@ std::optional<IdleSetting> idle_setting(const ExportSettings& settings, const st
     return std::nullopt;
 }
 
-void reset(ExportSettings& settings, const std::string& option) {
-    const ExportSettings plain;
-    if (option == "--hulls") settings.hulls = plain.hulls;
-    if (option == "--rigid-bodies") settings.rigid_bodies = plain.rigid_bodies;
-    if (option == "--hull-parts") settings.hull_parts = plain.hull_parts;
-    if (option == "--density") settings.density = plain.density;
-    if (option == "--per-piece") settings.per_piece = plain.per_piece;
-    if (option == "--one-file") settings.one_file = plain.one_file;
-    if (option == "--interior-texture") settings.interior_texture = plain.interior_texture;
-    if (option == "--name") settings.name = plain.name;
+// Calls visit(option, member) for each setting that a recipe keeps, as a pointer to the member.
+void visit_options(const auto& visit) {
+    visit("--name", &ExportSettings::name);
+    visit("--per-piece", &ExportSettings::per_piece);
+    visit("--one-file", &ExportSettings::one_file);
+    visit("--hulls", &ExportSettings::hulls);
+    visit("--rigid-bodies", &ExportSettings::rigid_bodies);
+    visit("--hull-parts", &ExportSettings::hull_parts);
+    visit("--density", &ExportSettings::density);
+    visit("--interior-texture", &ExportSettings::interior_texture);
+    visit("--export-as", &ExportSettings::as);
+}
+
+void copy_option(const std::string& option, const ExportSettings& from, ExportSettings& to) {
+    visit_options([&](const char* name, auto member) {
+        if (option == name) to.*member = from.*member;
+    });
 }
 
 } // namespace
-
-void check_export(const ExportSettings& settings, const std::string& output_option) {
-    if (const std::optional<IdleSetting> idle = idle_setting(settings, output_option))
-        throw Failure(exit_usage, idle->option + ": " + idle->why);
-}
 
 ExportSettings effective_export(ExportSettings settings, const std::string& output_option,
                                 const std::function<bool(const std::string& option)>& given,
                                 std::vector<std::string>& notes) {
     while (const std::optional<IdleSetting> idle = idle_setting(settings, output_option)) {
         if (given(idle->option)) throw Failure(exit_usage, idle->option + ": " + idle->why);
-        reset(settings, idle->option);
+        copy_option(idle->option, {}, settings);
         if (!settings.output.empty() || !settings.stream.empty())
             notes.push_back("the recipe's " + idle->option + " has no effect: " + idle->why);
     }
     return settings;
+}
+
+ExportSettings overridden_export(ExportSettings recipe, const ExportSettings& line,
+                                 const std::function<bool(const std::string& option)>& given) {
+    // Each of the two excludes the other.
+    if (given("--per-piece") || given("--one-file")) recipe.per_piece = recipe.one_file = false;
+    visit_options([&](const char* option, auto) {
+        if (given(option)) copy_option(option, line, recipe);
+    });
+    return recipe;
 }
 
 std::string refusal_of_name(const std::string& name) {

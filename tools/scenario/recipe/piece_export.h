@@ -15,16 +15,17 @@
 
 namespace brittle::tools {
 
-// Throws a Failure for an option of the command line that would have no effect: hulls in a format without nodes, for
-// example. `output_option`: that of the file.
-void check_export(const ExportSettings& settings, const std::string& output_option);
-
-// Returns the settings without those of a recipe that have no effect on the file; throws a Failure as check_export() for
-// one that the command line gives. `given`: whether it gives an option, such as "--hulls". `notes` tells people what is
-// left out. It stays empty where no file is written.
+// Returns the settings without those of a recipe that have no effect on the file: hulls in a format without nodes, for
+// example. Throws a Failure for one that the command line gives. `output_option`: that of the file. `given`: whether the
+// command line gives an option, such as "--hulls". `notes` tells people what is left out. It stays empty where no file
+// is written.
 [[nodiscard]] ExportSettings effective_export(ExportSettings settings, const std::string& output_option,
                                               const std::function<bool(const std::string& option)>& given,
                                               std::vector<std::string>& notes);
+
+// Returns the settings of a recipe, overridden by those that the command line gives. `given` as in effective_export().
+[[nodiscard]] ExportSettings overridden_export(ExportSettings recipe, const ExportSettings& line,
+                                               const std::function<bool(const std::string& option)>& given);
 
 // Returns the export options that pieces of a fracture and pieces of a running simulation share: looks, names, density.
 // The caller sets `per_piece` (splits_files()).
