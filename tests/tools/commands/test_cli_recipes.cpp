@@ -240,6 +240,41 @@ TEST_CASE("a recipe with the contents of files gives the same files, and fits ot
     CHECK(overridden["export"]["hull_parts"] == 3);
 }
 
+TEST_CASE("--one-file and --per-piece override each other's setting in a recipe") {
+    const Folder folder;
+    for (const bool per_piece : {true, false}) {
+        const std::string recipe =
+            folder
+                .write("recipe.json", R"({"brittle": 1, "mesh": "shape:cube", "pattern": {"count": 3},
+                "export": {"per_piece": )" + std::string(per_piece ? "true" : "false")
+                                          + "}}")
+                .string();
+        const std::string words = recipe + (per_piece ? " --one-file" : " --per-piece");
+        const std::string file = folder / (per_piece ? "one.stl" : "each.stl");
+        const Outcome made = run_brittle(folder, "fracture " + words + " -o " + file);
+        CHECK_MESSAGE(made.exit_code == 0, made.output);
+        CHECK(fs::exists(file) == per_piece);
+        CHECK(fs::exists(folder / "one_000.stl") == false);
+        CHECK(fs::exists(folder / "each_002.stl") == !per_piece);
+        for (const std::string command : {"fracture", "render"}) {
+            CAPTURE(command);
+            const std::string to_file = command == "render" ? " --export " + (folder / "out.glb") : "";
+            CHECK(saved_recipe(folder, command, words + to_file)["export"]["per_piece"] == !per_piece);
+        }
+    }
+    const Outcome rendered = run_brittle(
+        folder, "render "
+                    + folder
+                          .write("run.json", R"({"brittle": 1, "mesh": "shape:cube", "pattern": {"count": 3},
+            "export": {"per_piece": true}})")
+                          .string()
+                    + " --frames 1 --size 64x48 --one-file --export " + (folder / "rubble.glb"));
+    if (rendered.exit_code == 6) return; // no Vulkan device
+    CHECK_MESSAGE(rendered.exit_code == 0, rendered.output);
+    CHECK(fs::exists(folder / "rubble.glb"));
+    CHECK_FALSE(fs::exists(folder / "rubble_000.glb"));
+}
+
 TEST_CASE("the name of pieces is checked") {
     const Folder folder;
     const std::string out = " -o " + (folder / "a.glb");

@@ -131,11 +131,19 @@ void add_export_options(CLI::App& command, ExportSettings& files) {
             return refusal.empty() ? refusal : "the text is " + refusal;
         })
         ->type_name("NAME");
-    auto* per_piece =
-        command.add_flag("--per-piece", files.per_piece,
-                         "Write one file for each piece: FILE_000, FILE_001, ... The default for .stl, which does not "
-                         "tell pieces apart.");
-    command.add_flag("--one-file", files.one_file, "Write all pieces to one file, also in .stl")->excludes(per_piece);
+    // Each overrides the other one of a recipe.
+    const auto split = [&files](bool per_piece) {
+        files.per_piece = per_piece;
+        files.one_file = !per_piece;
+    };
+    auto* per_piece = command.add_flag_callback(
+        "--per-piece", [split] { split(true); },
+        "Write one file for each piece: FILE_000, FILE_001, ... The default for .stl, which does not tell pieces "
+        "apart.");
+    command
+        .add_flag_callback(
+            "--one-file", [split] { split(false); }, "Write all pieces to one file, also in .stl")
+        ->excludes(per_piece);
     command
         .add_option("--hulls", files.hulls,
                     "Name the nodes of a GLB file so that this engine makes bodies of the pieces. godot: rigid bodies. "
