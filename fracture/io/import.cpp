@@ -155,8 +155,11 @@ Result<MeshScene> weld_scene(RawScene raw) {
         if (const Result<void> finite = check_finite(mesh.mesh); !finite)
             return named("mesh " + fracture::quoted(mesh.name), finite.error());
         std::vector<uint32_t> kept;
-        mesh.mesh = weld_surface(mesh.mesh, raw.points[m], kept);
-        if (mesh.mesh.triangles.empty()) continue;
+        TriangleMesh welded = weld_surface(mesh.mesh, raw.points[m], kept);
+        if (welded.triangles.empty()) continue;
+        mesh.looks.mesh = std::move(mesh.mesh);
+        keep_triangles(mesh.looks, std::move(welded), kept);
+        mesh.mesh = std::exchange(mesh.looks.mesh, {});
         number[m] = static_cast<uint32_t>(scene.meshes.size());
         scene.meshes.push_back(std::move(mesh));
     }
@@ -168,16 +171,17 @@ Result<MeshScene> weld_scene(RawScene raw) {
         node.mesh = number[node.mesh];
         scene.nodes.push_back(std::move(node));
     }
+    scene.looks = std::move(raw.looks);
     return scene;
 }
 
-Result<MeshScene> import_scene_file(const std::filesystem::path& file) {
+Result<MeshScene> import_scene_file(const std::filesystem::path& file, bool with_looks) {
     const std::string name = file.string(), extension = lower_case(file.extension().string());
     if (extension != ".glb" && extension != ".gltf")
         return Error{Status::unsupported_format, name + ": only .glb and .gltf files have nodes; convert the scene"};
     const Result<std::vector<std::byte>> bytes = read_file(file);
     if (!bytes) return bytes.error();
-    Companions companions(file.parent_path(), true);
+    Companions companions(file.parent_path(), !with_looks);
     Result<RawScene> raw = read_gltf_scene(*bytes, companions);
     if (!raw) return named(name, raw.error());
     Result<MeshScene> scene = weld_scene(std::move(*raw));
@@ -267,8 +271,8 @@ Result<Model> import_model(std::span<const std::byte> bytes, std::string_view ex
     }
 }
 
-Result<MeshScene> import_scene(const std::filesystem::path& file) {
-    return guarded(file, [&] { return import_scene_file(file); });
+Result<MeshScene> import_scene(const std::filesystem::path& file, bool with_looks) {
+    return guarded(file, [&] { return import_scene_file(file, with_looks); });
 }
 
 Result<Image> read_image(const std::filesystem::path& file) {

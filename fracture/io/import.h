@@ -43,10 +43,11 @@ namespace brittle::fracture {
 [[nodiscard]] Result<Model> import_model(std::span<const std::byte> bytes, std::string_view extension,
                                          std::string_view name = "mesh in memory");
 
-// Imports the nodes of a .glb or .gltf file that show meshes, and each of these meshes once, geometry only. Cameras,
-// lights and empty nodes give transforms to their children alone. Errors as above: unsupported_format for other formats,
-// empty_mesh where no node shows a triangle.
-[[nodiscard]] Result<MeshScene> import_scene(const std::filesystem::path& file);
+// Imports the nodes of a .glb or .gltf file that show meshes, and each of these meshes once: geometry only, or with
+// materials, images and corner attributes (`with_looks`), a fault in which gives a note. Cameras, lights and empty nodes
+// give transforms to their children alone. Errors as above: unsupported_format for other formats, empty_mesh where no
+// node shows a triangle.
+[[nodiscard]] Result<MeshScene> import_scene(const std::filesystem::path& file, bool with_looks = false);
 
 // Reads an image for a material: PNG, JPEG, WebP or KTX2, recognised by its first bytes. Errors as above.
 [[nodiscard]] Result<Image> read_image(const std::filesystem::path& file);

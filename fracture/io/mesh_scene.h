@@ -13,6 +13,7 @@
 
 #include <glm/mat4x4.hpp>
 
+#include "fracture/io/model.h"
 #include "fracture/mesh/mesh.h"
 
 namespace brittle::fracture {
@@ -22,6 +23,9 @@ struct SceneMesh {
     TriangleMesh mesh{}; // in the coordinates of its nodes, not of the scene; welded, with at least one triangle
     std::vector<std::string> materials{}; // names, each once, in the order of the primitives
     std::string extras{};                 // JSON; empty where the mesh has none
+    // Where the scene was read with looks: the attributes of the corners of `mesh`, in their order, and material_of,
+    // into MeshScene::looks. All else is empty.
+    Model looks{};
 };
 
 struct SceneNode {
@@ -39,6 +43,18 @@ struct MeshScene {
     // Sentences for a reader about nodes that were left out: their meshes have no triangles, or by their names they are
     // collision shapes for Unreal (UCX_ ...) or Godot (... -convcolonly).
     std::vector<std::string> notes{};
+    // Where the scene was read with looks: materials, textures and images of the file, and notes about those that could
+    // not be read. All else is empty.
+    Model looks{};
 };
+
+// Returns a mesh with its attributes, materials and textures, without the images of the file.
+[[nodiscard]] Model model_of(const MeshScene& scene, uint32_t mesh);
+
+// Returns whether any triangle has a material, or any corner a colour.
+[[nodiscard]] bool has_looks(const Model& model);
+
+// Appends the mesh of `other` with the attributes of its corners. Its materials must be those of `model`.
+void append_mesh(Model& model, const Model& other);
 
 } // namespace brittle::fracture

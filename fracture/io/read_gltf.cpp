@@ -65,9 +65,9 @@ class GltfReader {
         return std::move(model_);
     }
 
-    // Precondition: no attributes are wanted.
     Result<RawScene> read_scene() {
         if (Result<void> done = check_extensions(); !done) return done.error();
+        if (wants_attributes_) read_materials(document_, model_);
         RawScene scene;
         std::map<uint64_t, uint32_t> meshes; // index in the scene by that in the file
         UniqueNames names;
@@ -90,6 +90,7 @@ class GltfReader {
             return {};
         };
         if (Result<void> done = visit_mesh_nodes(add); !done) return done.error();
+        scene.looks = std::move(model_); // what no mesh took
         return scene;
     }
 
@@ -110,6 +111,11 @@ class GltfReader {
         vertices_taken_ += model_.mesh.positions.size();
         triangles_taken_ += model_.mesh.triangles.size();
         if (!model_.points.empty()) model_.points.resize(model_.mesh.positions.size(), 0);
+        complete_corners(model_);
+        for (size_t set = 0; set < model_.uv.size(); ++set) mesh.looks.uv[set] = std::exchange(model_.uv[set], {});
+        mesh.looks.normals = std::exchange(model_.normals, {});
+        mesh.looks.colours = std::exchange(model_.colours, {});
+        mesh.looks.material_of = std::exchange(model_.material_of, {});
         mesh.mesh = std::exchange(model_.mesh, {});
         scene.points.push_back(std::exchange(model_.points, {}));
         mesh.extras = extras_of(json);

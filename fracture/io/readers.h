@@ -59,6 +59,7 @@ struct RawScene {
     std::vector<SceneNode> nodes{};
     std::vector<SceneMesh> meshes{};
     std::vector<std::vector<uint32_t>> points{}; // Model::points of each mesh
+    Model looks{};                               // MeshScene::looks
 };
 [[nodiscard]] Result<RawScene> read_gltf_scene(std::span<const std::byte> bytes, Companions& companions);
 

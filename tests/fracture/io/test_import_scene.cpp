@@ -4,6 +4,7 @@
 #include <doctest/doctest.h>
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "fracture/io/export.h"
 #include "fracture/io/import.h"
 #include "fracture/shapes/shapes.h"
 #include "tests/folder.h"
@@ -179,4 +180,101 @@ TEST_CASE("import scene: nodes that are collision shapes by their names are left
     REQUIRE(scene.notes.size() == 1);
     CHECK(scene.notes[0].find("2 nodes that are collision shapes") == 0);
     check_refused(glb.bytes(R"("nodes": [{"name": "a-colonly", "mesh": 0}])"), Status::empty_mesh, "no triangles");
+}
+
+TEST_CASE("import scene: with looks each mesh has the attributes of its corners, and the scene the materials") {
+    GlbFile glb;
+    glb.add_mesh(cube(), "", 1);
+    glb.add_mesh(cuboid({1.0, 2.0, 3.0}));
+    glb.add_mesh(icosphere(1), "", 7); // there is no such material
+    const Folder folder;
+    const auto file = folder.write("scene.glb", glb.bytes(R"("nodes": [{"mesh": 0}, {"mesh": 1}, {"mesh": 2},
+        {"mesh": 0, "translation": [5, 0, 0]}], "materials": [{"name": "Oak"}, {"name": "Steel", "pbrMetallicRoughness":
+        {"baseColorFactor": [0.5, 0.25, 0.125, 1], "baseColorTexture": {"index": 0}}}],
+        "textures": [{"source": 0}], "images": [{"uri": "none.png"}])"));
+    const Result<MeshScene> scene = import_scene(file, true);
+    REQUIRE(scene);
+    REQUIRE(scene->meshes.size() == 3);
+    REQUIRE(scene->looks.materials.size() == 2);
+    CHECK(scene->looks.materials[1].base_colour == glm::dvec4(0.5, 0.25, 0.125, 1.0));
+    CHECK(scene->looks.textures.size() == 1);
+    CHECK(scene->looks.images.size() == 1);
+    REQUIRE(scene->looks.notes.size() == 1);
+    CHECK(scene->looks.notes[0].find("image 0") == 0);
+    CHECK(scene->notes.empty());
+    const Model steel = model_of(*scene, 0);
+    CHECK(steel.material_of == std::vector<uint32_t>(12, 1));
+    CHECK(steel.materials.size() == 2);
+    CHECK(steel.textures.size() == 1);
+    CHECK(steel.images.empty());
+    CHECK(steel.mesh.triangles.size() == 12);
+    CHECK(has_looks(steel));
+    for (const uint32_t mesh : {1u, 2u}) CHECK_FALSE(has_looks(model_of(*scene, mesh)));
+
+    const Result<MeshScene> plain = import_scene(file);
+    REQUIRE(plain);
+    CHECK(plain->looks.materials.empty());
+    CHECK(plain->looks.notes.empty());
+    for (uint32_t mesh = 0; mesh < 3; ++mesh) {
+        CHECK_FALSE(has_looks(model_of(*plain, mesh)));
+        CHECK(plain->meshes[mesh].mesh.triangles == scene->meshes[mesh].mesh.triangles);
+        CHECK(plain->meshes[mesh].mesh.positions == scene->meshes[mesh].mesh.positions);
+    }
+}
+
+TEST_CASE("import scene: the looks of a node are those of the whole file") {
+    const Folder folder;
+    Model crate; // texture coordinates, normals, colours, two materials and none
+    crate.mesh = cube(1.0);
+    for (uint32_t t = 0; t < crate.mesh.triangles.size(); ++t) {
+        crate.material_of.push_back(t % 3 == 2 ? no_material : t % 3);
+        for (int k = 0; k < 3; ++k) {
+            const glm::dvec3& p = crate.mesh.positions[crate.mesh.triangles[t][k]];
+            crate.uv[0].emplace_back(p.x, p.y);
+            crate.uv[1].emplace_back(p.z, p.x);
+            crate.normals.emplace_back(t % 2 == 0 ? glm::vec3(0.0f, 1.0f, 0.0f) : glm::vec3(0.6f, 0.0f, 0.8f));
+            crate.colours.emplace_back(p.x + 0.5, p.y + 0.5, p.z + 0.5, 1.0);
+        }
+    }
+    crate.materials.resize(2);
+    crate.materials[0].name = "a";
+    crate.materials[1].name = "b";
+    const std::string file = folder / "crate.glb";
+    REQUIRE(export_model(file, crate));
+    const Result<Model> whole = import_model(file);
+    const Result<MeshScene> scene = import_scene(file, true);
+    REQUIRE(whole);
+    REQUIRE(scene);
+    REQUIRE(scene->meshes.size() == 1);
+    const Model node = model_of(*scene, 0);
+    REQUIRE(whole->normals.size() == 36);
+    REQUIRE(whole->colours.size() == 36);
+    CHECK(node.mesh.triangles == whole->mesh.triangles);
+    CHECK(node.uv == whole->uv);
+    CHECK(node.normals == whole->normals);
+    CHECK(node.colours == whole->colours);
+    CHECK(node.material_of == whole->material_of);
+    CHECK(node.materials.size() == whole->materials.size());
+}
+
+TEST_CASE("import scene: meshes with and without attributes are appended to each other") {
+    Model plain, rich;
+    plain.mesh = rich.mesh = single_triangle();
+    rich.uv[1] = {{0.1f, 0.2f}, {0.3f, 0.4f}, {0.5f, 0.6f}};
+    rich.colours.assign(3, glm::vec4(0.5f));
+    rich.material_of = {3};
+    Model joined;
+    for (const Model* one : {&plain, &rich, &plain}) append_mesh(joined, *one);
+    CHECK(joined.mesh.positions.size() == 9);
+    CHECK(joined.mesh.triangles == std::vector<Triangle>{{0, 1, 2}, {3, 4, 5}, {6, 7, 8}});
+    CHECK(joined.uv[0].empty());
+    CHECK(joined.normals.empty());
+    REQUIRE(joined.uv[1].size() == 9);
+    CHECK(joined.uv[1][0] == glm::vec2(0.0f));
+    CHECK(joined.uv[1][4] == glm::vec2(0.3f, 0.4f));
+    CHECK(joined.uv[1][8] == glm::vec2(0.0f));
+    CHECK(joined.colours[2] == glm::vec4(1.0f));
+    CHECK(joined.colours[3] == glm::vec4(0.5f));
+    CHECK(joined.colours.size() == 9);
+    CHECK(joined.material_of == std::vector<uint32_t>{no_material, 3, no_material});
 }

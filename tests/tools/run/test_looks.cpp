@@ -8,6 +8,7 @@
 
 #include <doctest/doctest.h>
 #include <glm/geometric.hpp>
+#include <nlohmann/json.hpp>
 
 #include "fracture/io/export.h"
 #include "fracture/io/import.h"
@@ -16,8 +17,10 @@
 #include "tests/engine/support.h"
 #include "tests/tools/studio/room.h"
 #include "tests/tools/support.h"
+#include "tools/brittle/stage/loading.h"
 #include "tools/brittle/stage/stage.h"
 #include "tools/scenario/recipe/recipe.h"
+#include "tools/scenario/run/scene.h"
 
 using namespace brittle;
 using namespace brittle::tools;
@@ -83,6 +86,43 @@ void write_crate(const std::string& file, const std::function<void(fracture::Mod
     fracture::Model model = crate();
     if (change) change(model);
     must(fracture::export_model(file, model));
+}
+
+// Writes a GLB file with the meshes of a crate and nodes of its own: mesh 0 is the crate, mesh 1 has one colour, mesh 2
+// has planks and another lid, mesh 3 no material.
+void write_crates(const std::string& file, const std::string& nodes) {
+    write_crate(file);
+    const std::string bytes = read_text(file);
+    const auto number = [&](size_t at) {
+        uint32_t value = 0;
+        for (size_t k = 0; k < 4; ++k) value |= uint32_t(uint8_t(bytes[at + k])) << (8 * k);
+        return value;
+    };
+    auto json = nlohmann::ordered_json::parse(bytes.substr(20, number(12)));
+    const std::string rest = bytes.substr(20 + number(12)); // the binary chunk
+    const auto painted = json["materials"].size();
+    json["materials"].push_back(
+        {{"name", "red"}, {"pbrMetallicRoughness", {{"baseColorFactor", {0.45, 0.03, 0.02, 1.0}}}}});
+    json["materials"].push_back(
+        {{"name", "yellow"}, {"pbrMetallicRoughness", {{"baseColorFactor", {0.7, 0.45, 0.03, 1.0}}}}});
+    const auto crate = json["meshes"][0];
+    json["meshes"] = {crate, crate, crate, crate};
+    for (auto& primitive : json["meshes"][1]["primitives"]) primitive["material"] = painted;
+    for (auto& primitive : json["meshes"][2]["primitives"])
+        primitive["material"] = primitive.value("material", -1) == 2 ? painted + 1 : size_t{0};
+    for (auto& primitive : json["meshes"][3]["primitives"]) primitive.erase("material");
+    json["nodes"] = nlohmann::ordered_json::parse(nodes);
+    json["scenes"] = {{{"nodes", nlohmann::ordered_json::array()}}};
+    for (size_t k = 0; k < json["nodes"].size(); ++k) json["scenes"][0]["nodes"].push_back(k);
+    std::string text = json.dump();
+    text.resize((text.size() + 3) / 4 * 4, ' ');
+    const auto word = [](size_t value) {
+        std::string four;
+        for (int k = 0; k < 4; ++k) four += static_cast<char>(value >> (8 * k) & 255);
+        return four;
+    };
+    write_text(file, bytes.substr(0, 8) + word(20 + text.size() + rest.size()) + word(text.size()) + bytes.substr(16, 4)
+                         + text + rest);
 }
 
 engine::Bitmap render(const Folder& folder, const std::string& arguments) {
@@ -432,6 +472,99 @@ TEST_CASE("looks: objects of a scene have those of their files, mirrored and sca
     const GoldenCheck golden =
         check_golden(must(engine::read_png(file)), "scene_of_crates", {}, engine::test::golden_folder() + "/looks");
     CHECK_MESSAGE(golden.passed, golden.message);
+}
+
+TEST_CASE("looks: nodes and pieces of a file have its textures where they lie, mirrored nodes, too") {
+    const Folder folder;
+    write_crates(folder / "crates.glb", R"([{"name": "a", "mesh": 0}, {"name": "b", "mesh": 0, "scale": [-1, 1, 1],
+        "translation": [3, 0, 0]}, {"name": "c", "mesh": 3, "translation": [0, 3, 0]}])");
+    // The place of a point of the file, in the crate that it belongs to.
+    const auto in_crate = [](const glm::dvec3& p) {
+        return p.y > 1.5 ? p - glm::dvec3(0.0, 3.0, 0.0) : (p.x > 1.5 ? glm::dvec3(3.0 - p.x, p.y, p.z) : p);
+    };
+    const auto check = [&](const LoadedObject& object, const std::function<glm::dvec3(const glm::dvec3&)>& local) {
+        CAPTURE(object.object.name);
+        const MeshLooks* const looks = object.input->looks.get();
+        REQUIRE(looks);
+        const fracture::TriangleMesh& mesh = object.input->model.mesh;
+        size_t checked = 0;
+        for (uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+            const fracture::Triangle& c = mesh.triangles[t];
+            const std::array<glm::dvec3, 3> at{mesh.positions[c.x], mesh.positions[c.y], mesh.positions[c.z]};
+            const std::array<glm::dvec3, 3> own{local(at[0]), local(at[1]), local(at[2])};
+            const glm::dvec3 normal = glm::normalize(glm::cross(own[1] - own[0], own[2] - own[0]));
+            const auto corners = looks->corners(t, at);
+            if (corners[0].material == 0) continue;
+            for (size_t k = 0; k < 3; ++k)
+                CHECK(glm::distance(glm::dvec2(corners[k].uv), uv_of(own[k], normal)) < 1e-6);
+            ++checked;
+        }
+        CHECK(checked == (object.object.in_pieces ? 24u : 12u)); // all but those of c, which has no material
+    };
+    FractureOptions nodes, pieces;
+    read_recipe(folder.write("nodes.json", R"({"brittle": 2, "level": {"mesh": "crates.glb"}})"), nodes);
+    read_recipe(
+        folder.write("pieces.json", R"({"brittle": 2, "objects": [{"mesh": "crates.glb", "in_pieces": true}]})"),
+        pieces);
+    const LoadedScene level = load_scene(nodes, drawing_host());
+    REQUIRE(level.objects.size() == 3);
+    for (const size_t k : {0u, 1u}) { // the scale of an object is part of its mesh
+        const glm::dvec3 scale = level.objects[k].object.placement.scale;
+        CHECK(scale.x * scale.y * scale.z == doctest::Approx(k == 0 ? 1.0 : -1.0));
+        check(level.objects[k], [&](const glm::dvec3& p) { return p / scale; });
+    }
+    CHECK(level.objects[2].input->looks == nullptr);
+    CHECK(level.objects[0].input->looks->materials == level.objects[1].input->looks->materials); // decoded once
+    const LoadedScene set = load_scene(pieces, drawing_host());
+    REQUIRE(set.objects.size() == 1);
+    CHECK_FALSE(set.objects[0].refused);
+    check(set.objects[0], in_crate);
+    CHECK(load_scene(nodes).objects[0].input->looks == nullptr); // nobody draws
+}
+
+TEST_CASE("looks: a level of crates with materials of their own, and a crate in pieces of a file") {
+    if (is_skipped()) return;
+    const Folder folder;
+    write_crates(folder / "level.glb", R"([{"name": "Crate", "mesh": 0, "translation": [-1.4, 0.5, 0.1]},
+        {"name": "Broken crate", "mesh": 0, "scale": [-1.2, 1.2, 1.2], "rotation": [0, 0.2588, 0, 0.9659],
+         "translation": [0.1, 0.6, 0]},
+        {"name": "Red crate", "mesh": 1, "scale": [0.8, 0.8, 0.8], "translation": [1.5, 0.4, 0.3]},
+        {"name": "Planks", "mesh": 2, "scale": [0.5, 0.5, 0.5], "translation": [-1.3, 1.25, 0.1]},
+        {"name": "Plain crate", "mesh": 3, "scale": [0.5, 0.5, 0.5], "translation": [1.5, 1.05, 0.3]}])");
+    const std::string scene = folder.write("scene.json", R"({"brittle": 2, "level": {"mesh": "level.glb", "rules": [
+        {"node": "Broken*", "then": {"shattered": true, "material": "concrete",
+                                     "pattern": {"type": "uniform", "count": 9}}},
+        {"node": "Plain*", "then": {"material": "stone"}}, {"then": {"material": "wood"}}]},
+        "objects": [{"name": "one more", "mesh": "level.glb", "node": "Red crate", "scale": [0.4, 0.4, 0.4],
+                     "translation": [0.1, 1.5, 0], "material": "glass"}]})");
+    const auto check = [](const engine::Bitmap& picture, const std::string& name) {
+        const GoldenCheck golden = check_golden(picture, name, {}, engine::test::golden_folder() + "/looks");
+        CHECK_MESSAGE(golden.passed, golden.message);
+    };
+    check(render(folder,
+                 "--recipe " + scene + " --frames 24 --elevation 20 --distance 0.9 --shot 0.1,0.9,2.5,0,0,-14,0.15"),
+          "level_of_crates");
+
+    // A crate is drawn alike as a node and as a whole file.
+    write_crate(folder / "crate.glb");
+    const auto one = [&](const std::string& members) {
+        return render(folder, "--recipe "
+                                  + folder
+                                        .write("one.json", R"({"brittle": 2, "objects": [{"name": "a", )" + members
+                                                               + R"(, "translation": [0, 0.5, 0]}]})")
+                                        .string()
+                                  + " --frames 0");
+    };
+    CHECK(one(R"("mesh": "level.glb", "node": "Crate")").pixels == one(R"("mesh": "crate.glb")").pixels);
+
+    const std::string pieces = folder / "pieces.glb";
+    REQUIRE(run_brittle(folder, "fracture " + (folder / "crate.glb") + " -n 14 --material wood -o " + pieces).exit_code
+            == 0);
+    const std::string set = folder.write("set.json", R"({"brittle": 2, "objects": [{"mesh": "pieces.glb",
+        "in_pieces": true, "bonded": true, "material": "wood", "translation": [0, 0.5, 0]}]})");
+    check(render(folder, "--recipe " + set
+                             + " --shot 0.2,0.6,3,0,0,-16,0.2 --frames 40 --azimuth 30 --elevation 20 --distance 1.2"),
+          "crates_from_pieces");
 }
 
 TEST_CASE("looks: the studio shows materials where the mesh has some, and a view of pieces") {

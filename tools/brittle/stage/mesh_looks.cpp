@@ -12,6 +12,7 @@
 #include "engine/core/bitmap.h"
 #include "fracture/io/colour.h"
 #include "fracture/io/import.h"
+#include "fracture/io/mesh_scene.h"
 #include "fracture/io/text_cursor.h"
 #include "fracture/pieces/attributes.h"
 #include "tools/brittle/base/device_failure.h"
@@ -129,11 +130,6 @@ uint32_t packed(const glm::vec4& linear) {
     const auto byte = [](float value) { return static_cast<uint32_t>(std::lround(255.0f * value)); };
     const auto srgb = [&](float value) { return byte(static_cast<float>(fracture::srgb_of_linear(double{value}))); };
     return srgb(linear.x) | srgb(linear.y) << 8 | srgb(linear.z) << 16 | byte(linear.w) << 24;
-}
-
-bool has_looks(const Model& model) {
-    return !model.colours.empty()
-           || std::ranges::any_of(model.material_of, [](uint32_t m) { return m != fracture::no_material; });
 }
 
 void turn_corners(auto& list) {

@@ -16,53 +16,67 @@
 namespace brittle::tools {
 namespace {
 
-// A node's mesh in the coordinates of its file. A mirrored mesh is turned, so that it stays outside out.
-fracture::TriangleMesh placed(fracture::TriangleMesh mesh, const glm::dmat4& world) {
-    for (glm::dvec3& p : mesh.positions) p = glm::dvec3(world * glm::dvec4(p, 1.0));
-    if (glm::determinant(glm::dmat3(world)) < 0.0)
-        for (fracture::Triangle& t : mesh.triangles) std::swap(t.y, t.z);
-    return mesh;
+void turn_corners(auto& list) {
+    for (size_t t = 0; t + 2 < list.size(); t += 3) std::swap(list[t + 1], list[t + 2]);
+}
+
+// The mesh of a node in the coordinates of its file, with the attributes that pictures need. A mirrored mesh is turned,
+// so that it stays outside out.
+fracture::Model placed(const fracture::SceneMesh& from, const glm::dmat4& world) {
+    fracture::Model model;
+    model.mesh = from.mesh;
+    model.uv = from.looks.uv;
+    model.colours = from.looks.colours;
+    model.material_of = from.looks.material_of;
+    for (glm::dvec3& p : model.mesh.positions) p = glm::dvec3(world * glm::dvec4(p, 1.0));
+    if (glm::determinant(glm::dmat3(world)) < 0.0) {
+        for (fracture::Triangle& t : model.mesh.triangles) std::swap(t.y, t.z);
+        for (auto& set : model.uv) turn_corners(set);
+        turn_corners(model.colours);
+    }
+    return model;
 }
 
 } // namespace
-
-const fracture::TriangleMesh& MeshFiles::mesh_of(const SceneObject& object) {
-    const std::string& file = object.recipe.mesh;
-    if (object.in_pieces) return pieces_of(file);
-    if (!object.node.empty()) {
-        const Content& content = content_of(file);
-        return content.scene.meshes[mesh_in(content, object)].mesh;
-    }
-    return whole_of(file).model.mesh;
-}
 
 MeshFiles::Whole& MeshFiles::whole_of(const std::string& file) {
     std::string stamp = stamp_of(file);
     auto at = whole_.find(file);
     if (at == whole_.end() || at->second.stamp != stamp)
-        at = whole_.insert_or_assign(file, Whole{std::move(stamp), load_mesh_only(file, true).model, false, {}}).first;
+        at = whole_.insert_or_assign(file, Whole{std::move(stamp), load_mesh_only(file, true).model, {}}).first;
     return at->second;
 }
 
 const fracture::Model& MeshFiles::model_of(const SceneObject& object) {
-    if (!object.in_pieces && object.node.empty()) return whole_of(object.recipe.mesh).model;
-    fracture::Model model;
-    model.mesh = mesh_of(object);
-    mesh_only_ = std::move(model);
-    return mesh_only_;
+    const std::string& file = object.recipe.mesh;
+    if (object.in_pieces) return pieces_of(file);
+    if (object.node.empty()) return whole_of(file).model;
+    const Content& content = content_of(file);
+    node_ = fracture::model_of(content.scene, mesh_in(content, object));
+    return node_;
 }
 
 std::shared_ptr<const engine::MaterialSet> MeshFiles::materials_of(const SceneObject& object, const LooksMaker& maker,
                                                                    std::vector<std::string>& notes) {
-    if (!maker.materials || object.in_pieces || !object.node.empty()) return nullptr;
-    Whole& whole = whole_of(object.recipe.mesh);
-    if (!std::exchange(whole.is_decoded, true)) {
-        std::vector<std::string> own = std::exchange(whole.model.notes, {});
-        whole.materials = maker.materials(whole.model, own);
-        for (const std::string& note : own) notes.push_back(mesh_name(object.recipe.mesh) + ": " + note);
-        whole.model.images.clear();
+    if (!maker.materials) return nullptr;
+    const std::string& file = object.recipe.mesh;
+    const fracture::Model& model = model_of(object);
+    const bool is_whole = !object.in_pieces && object.node.empty();
+    if (!is_whole && !fracture::has_looks(model)) return nullptr; // nodes of one file differ
+    Decoded& decoded = is_whole ? whole_of(file).decoded : content_of(file).decoded;
+    if (std::exchange(decoded.is_done, true)) return decoded.materials;
+    fracture::Model& source = is_whole ? whole_of(file).model : content_of(file).scene.looks;
+    std::vector<std::string> own = std::exchange(source.notes, {});
+    if (is_whole) {
+        decoded.materials = maker.materials(source, own);
+    } else {
+        fracture::Model shown = model;
+        shown.images = std::move(source.images);
+        decoded.materials = maker.materials(shown, own);
     }
-    return whole.materials;
+    source.images.clear(); // only the decoded ones are used
+    for (const std::string& note : own) notes.push_back(mesh_name(file) + ": " + note);
+    return decoded.materials;
 }
 
 std::optional<uint32_t> MeshFiles::index_of(const SceneObject& object) {
@@ -82,32 +96,32 @@ uint32_t MeshFiles::mesh_in(const Content& content, const SceneObject& object) {
                                   + (content.scene.nodes.size() > max_listed ? ", ..." : ""));
 }
 
-const MeshFiles::Content& MeshFiles::content_of(const std::string& file) {
+MeshFiles::Content& MeshFiles::content_of(const std::string& file) {
     std::string stamp = stamp_of(file);
     if (const auto known = nodes_.find(file); known != nodes_.end() && known->second.stamp == stamp)
         return known->second;
-    Content content{std::move(stamp), must(fracture::import_scene(file)), {}};
+    Content content{std::move(stamp), must(fracture::import_scene(file, true)), {}, {}};
     for (const fracture::SceneNode& node : content.scene.nodes) content.mesh_of[node.name] = node.mesh;
     return nodes_.insert_or_assign(file, std::move(content)).first->second;
 }
 
 // The meshes of all nodes side by side: points at which pieces touch stay apart. Throws a Failure with exit_mesh that
 // names the first node that is no piece.
-const fracture::TriangleMesh& MeshFiles::pieces_of(const std::string& file) {
+const fracture::Model& MeshFiles::pieces_of(const std::string& file) {
     std::string stamp = stamp_of(file);
     if (const auto known = pieces_.find(file); known != pieces_.end() && known->second.stamp == stamp)
-        return known->second.mesh;
-    const fracture::MeshScene& scene = scene_of(file);
-    fracture::TriangleMesh joined;
+        return known->second.model;
+    const fracture::MeshScene& scene = content_of(file).scene;
+    fracture::Model joined;
+    joined.materials = scene.looks.materials;
+    joined.textures = scene.looks.textures;
     for (const fracture::SceneNode& node : scene.nodes) {
-        const fracture::TriangleMesh piece = placed(scene.meshes[node.mesh].mesh, node.world);
-        if (const std::string fault = fault_of(piece); !fault.empty())
+        const fracture::Model piece = placed(scene.meshes[node.mesh], node.world);
+        if (const std::string fault = fault_of(piece.mesh); !fault.empty())
             throw Failure(exit_mesh, "the piece " + shown(node.name) + ": " + fault);
-        const auto base = static_cast<uint32_t>(joined.positions.size());
-        joined.positions.insert(joined.positions.end(), piece.positions.begin(), piece.positions.end());
-        for (const fracture::Triangle& t : piece.triangles) joined.triangles.push_back(t + base);
+        fracture::append_mesh(joined, piece);
     }
-    return pieces_.insert_or_assign(file, Pieces{std::move(stamp), std::move(joined)}).first->second.mesh;
+    return pieces_.insert_or_assign(file, Pieces{std::move(stamp), std::move(joined)}).first->second.model;
 }
 
 void MeshFiles::keep_only(const std::set<std::string>& files) {

@@ -20,12 +20,11 @@ namespace brittle::tools {
 
 class MeshFiles {
   public:
-    // The mesh of an object as its file has it; valid until the next call of a member. Throws a Failure.
-    const fracture::TriangleMesh& mesh_of(const SceneObject& object);
-    // The model of an object, with what its file has of looks; nodes and pieces have none. Valid until the next call.
+    // The mesh of an object as its file has it, with its attributes and materials; valid until the next call of a member.
+    // Throws a Failure.
     const fracture::Model& model_of(const SceneObject& object);
     // The materials of that model, decoded once for all objects of a file; null without any. Notes for people about what
-    // is not shown are added once.
+    // is not shown are added once. Throws a Failure.
     std::shared_ptr<const engine::MaterialSet> materials_of(const SceneObject& object, const LooksMaker& maker,
                                                             std::vector<std::string>& notes);
     // The nodes of a glTF file; valid until the next call of a member. Throws a Failure.
@@ -35,31 +34,35 @@ class MeshFiles {
     void keep_only(const std::set<std::string>& files); // forgets all others
 
   private:
+    struct Decoded {
+        bool is_done = false;
+        std::shared_ptr<const engine::MaterialSet> materials;
+    };
     struct Pieces { // a glTF file whose nodes are pieces
         std::string stamp;
-        fracture::TriangleMesh mesh;
+        fracture::Model model; // without images
     };
     struct Whole { // a file without nodes, or a shape
         std::string stamp;
-        fracture::Model model;
-        bool is_decoded = false;
-        std::shared_ptr<const engine::MaterialSet> materials;
+        fracture::Model model; // without images once they are decoded
+        Decoded decoded;
     };
     struct Content { // a glTF file of which objects name nodes
         std::string stamp;
-        fracture::MeshScene scene;
+        fracture::MeshScene scene;               // without images once they are decoded
         std::map<std::string, uint32_t> mesh_of; // by name of the node
+        Decoded decoded;
     };
 
     Whole& whole_of(const std::string& file);
-    const Content& content_of(const std::string& file);
-    const fracture::TriangleMesh& pieces_of(const std::string& file);
+    Content& content_of(const std::string& file);
+    const fracture::Model& pieces_of(const std::string& file);
     static uint32_t mesh_in(const Content& content, const SceneObject& object); // throws a Failure
 
     std::map<std::string, Content> nodes_;
     std::map<std::string, Whole> whole_;
     std::map<std::string, Pieces> pieces_;
-    fracture::Model mesh_only_; // of model_of()
+    fracture::Model node_; // of model_of()
 };
 
 // Why a mesh cannot be broken, whatever it looks like; empty where it can.
