@@ -61,6 +61,7 @@ struct ExportOptions {
     std::string recipe = "{}"; // a JSON object, kept unchanged in the root's extras; GLB only
     // The model whose mesh was fractured. Null: pieces are flat shaded, in one material.
     const Model* source = nullptr;
+    const std::vector<Image>* images = nullptr; // of `source`, in place of its own; GLB only
     std::span<const glm::dvec3> sites{}; // of the fracture, for texture coordinates in metres on the cuts; may be empty
     bool uv_by_plane = false;            // without sites: texture coordinates of each cut from its own plane
     // The cuts are rough: their normals are smooth, their texture coordinates lie along the mean plane of each cut, and a
@@ -110,7 +111,8 @@ struct ExportedFile {
                                                                         const ExportOptions& options = {});
 
 // Several objects in one GLB file: each a root node with the pieces as children, as export_pieces() writes them, without
-// a certificate. `extras.brittle` of a root: object, its name, and recipe. Equal materials are written once.
+// a certificate. `extras.brittle` of a root: object, its name, and recipe. Equal materials, textures and images are
+// written once, and of all objects but the first only those that are used.
 //
 //     ObjectExport scene;
 //     for (const Object& object : objects) must(scene.add(object.pieces, {.name = object.name, .poses = object.poses}));
@@ -122,8 +124,8 @@ class ObjectExport {
     ObjectExport(const ObjectExport&) = delete;
     ObjectExport& operator=(const ObjectExport&) = delete;
 
-    // Names should differ; per_piece has no effect. Errors as export_pieces(), and invalid_setting for a source with
-    // materials, textures or images; its normals, coordinates and colours are written.
+    // Names should differ; per_piece has no effect. The images of the source must outlive write() or bytes(). Errors as
+    // export_pieces().
     [[nodiscard]] Result<void> add(const Fragments& fragments, const ExportOptions& options);
     // Once, after the last object. Errors: invalid_setting without objects; write_failed.
     [[nodiscard]] Result<void> write(const std::filesystem::path& file);

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
+#include <optional>
+#include <utility>
 
 #include "fracture/io/writers.h"
 
@@ -17,38 +20,60 @@ constexpr std::array<unsigned char, 69> white_png = {
     0x0c, 0x49, 0x44, 0x41, 0x54, 0x78, 0xda, 0x63, 0xf8, 0xff, 0xff, 0x3f, 0x00, 0x05, 0xfe, 0x02, 0xfe, 0x33,
     0x12, 0x95, 0x14, 0x00, 0x00, 0x00, 0x00, 0x49, 0x45, 0x4e, 0x44, 0xae, 0x42, 0x60, 0x82};
 
-// Extensions are stored as the text of valid JSON.
-void put_extensions(Json& object, const std::string& text, std::set<std::string>& used) {
+// The index in the file of an image or a texture of the source.
+using IndexInFile = std::function<size_t(size_t)>;
+
+// Replaces the indices that an extension has under a key at any depth. Those that name nothing stay.
+void renumber(Json& json, const std::string& key, size_t count, const IndexInFile& index) {
+    if (!json.is_structured()) return;
+    for (const auto& [name, value] : json.items()) {
+        if (name == key && json.is_object() && value.is_number_unsigned() && value.get<uint64_t>() < count)
+            value = index(value.get<size_t>());
+        else
+            renumber(value, key, count, index);
+    }
+}
+
+// Extensions are stored as the text of valid JSON. `key` names their indices, of which the source has `count`.
+void put_extensions(Json& object, const std::string& text, const std::string& key, size_t count,
+                    const IndexInFile& index, std::set<std::string>& used) {
     if (text.empty()) return;
     Json extensions = Json::parse(text, nullptr, false);
     if (!extensions.is_object()) return;
     for (const auto& [name, value] : extensions.items()) used.insert(name);
+    renumber(extensions, key, count, index);
     object["extensions"] = std::move(extensions);
 }
 
+// The textures of a source, for its materials.
+struct Textures {
+    size_t count;
+    IndexInFile index;
+};
+
 void put_use(Json& object, const char* key, const std::optional<TextureUse>& use, const char* strength,
-             std::set<std::string>& used) {
+             const Textures& textures, std::set<std::string>& used) {
     if (!use) return;
-    Json json{{"index", use->texture}};
+    Json json{{"index", use->texture < textures.count ? textures.index(use->texture) : size_t{use->texture}}};
     if (use->uv_set != 0) json["texCoord"] = use->uv_set;
     if (strength && use->strength != 1.0) json[strength] = use->strength;
-    put_extensions(json, use->extensions, used);
+    put_extensions(json, use->extensions, "index", textures.count, textures.index, used);
     object[key] = std::move(json);
 }
 
-Json material_json(const Material& material, std::set<std::string>& used) {
+Json material_json(const Material& material, const Textures& textures, std::set<std::string>& used) {
     Json pbr{{"baseColorFactor",
               {material.base_colour.x, material.base_colour.y, material.base_colour.z, material.base_colour.w}},
              {"metallicFactor", material.metallic},
              {"roughnessFactor", material.roughness}};
-    put_use(pbr, "baseColorTexture", material.base_colour_texture, nullptr, used);
-    put_use(pbr, "metallicRoughnessTexture", material.metallic_roughness_texture, nullptr, used);
+    put_use(pbr, "baseColorTexture", material.base_colour_texture, nullptr, textures, used);
+    put_use(pbr, "metallicRoughnessTexture", material.metallic_roughness_texture, nullptr, textures, used);
     Json json = Json::object();
     if (!material.name.empty()) json["name"] = material.name;
     json["pbrMetallicRoughness"] = std::move(pbr);
-    put_use(json, "normalTexture", material.normal_texture, "scale", used);
-    put_use(json, "occlusionTexture", material.occlusion_texture, "strength", used);
-    put_use(json, "emissiveTexture", material.emissive_texture, nullptr, used);
+    put_use(json, "normalTexture", material.normal_texture, "scale", textures, used);
+    put_use(json, "occlusionTexture", material.occlusion_texture, "strength", textures, used);
+    put_use(json, "emissiveTexture", material.emissive_texture, nullptr, textures, used);
     if (material.emissive != glm::dvec3(0.0))
         json["emissiveFactor"] = {material.emissive.x, material.emissive.y, material.emissive.z};
     if (material.alpha_mode == AlphaMode::mask) {
@@ -57,9 +82,20 @@ Json material_json(const Material& material, std::set<std::string>& used) {
     }
     if (material.alpha_mode == AlphaMode::blend) json["alphaMode"] = "BLEND";
     json["doubleSided"] = material.double_sided;
-    put_extensions(json, material.extensions, used);
+    put_extensions(json, material.extensions, "index", textures.count, textures.index, used);
     return json;
 }
+
+// One of Brittle's own, without textures.
+Json plain_material_json(const Material& material, std::set<std::string>& used) {
+    return material_json(material, {0, [](size_t texture) { return texture; }}, used);
+}
+
+bool is_equal(const Image& a, const Image& b) {
+    return &a == &b || (a.name == b.name && a.mime_type == b.mime_type && a.bytes == b.bytes);
+}
+
+constexpr size_t unknown = ~size_t{0};
 
 Json image_json(const Image& image, const std::function<size_t(std::vector<std::byte>)>& add_view) {
     Json json = Json::object();
@@ -89,50 +125,96 @@ size_t GlbMaterials::sampler_of(const Texture& texture) {
     return static_cast<size_t>(known - samplers_.begin());
 }
 
+size_t GlbMaterials::add_to_list(Json& list, Json value) const {
+    const auto known = source_.is_first ? list.end() : std::find(list.begin(), list.end(), value);
+    const auto at = static_cast<size_t>(known - list.begin());
+    if (known == list.end()) list.push_back(std::move(value));
+    return at;
+}
+
+size_t GlbMaterials::image_of(size_t image) {
+    size_t& at = source_.image_at[image];
+    if (at != unknown) return at;
+    const Image& own = (*source_.images)[image];
+    const auto known = source_.is_first
+                           ? images_.end()
+                           : std::ranges::find_if(images_, [&](const Image* other) { return is_equal(*other, own); });
+    at = static_cast<size_t>(known - images_.begin());
+    if (known == images_.end()) images_.push_back(&own);
+    return at;
+}
+
+size_t GlbMaterials::texture_of(size_t texture) {
+    size_t& at = source_.texture_at[texture];
+    if (at != unknown) return at;
+    const Texture& own = source_.model->textures[texture];
+    Json json{{"sampler", sampler_of(own)}};
+    const size_t images = source_.images->size();
+    if (own.image) json["source"] = *own.image < images ? image_of(*own.image) : size_t{*own.image};
+    put_extensions(
+        json, own.extensions, "source", images, [this](size_t image) { return image_of(image); }, extensions_);
+    return at = add_to_list(textures_, std::move(json));
+}
+
+size_t GlbMaterials::source_material_of(size_t material) {
+    size_t& at = source_.material_at[material];
+    if (at != unknown) return at;
+    const Textures textures{source_.model->textures.size(), [this](size_t texture) { return texture_of(texture); }};
+    return at = add_to_list(materials_, material_json(source_.model->materials[material], textures, extensions_));
+}
+
+void GlbMaterials::use_source(const ExportOptions& options) {
+    source_ = {.is_first = own_.empty()};
+    if (!options.source) return;
+    const Model& model = *(source_.model = options.source);
+    source_.images = options.images ? options.images : &model.images;
+    source_.image_at.assign(source_.images->size(), unknown);
+    source_.texture_at.assign(model.textures.size(), unknown);
+    source_.material_at.assign(model.materials.size(), unknown);
+    if (source_.is_first) {
+        for (size_t k = 0; k < source_.images->size(); ++k) image_of(k);
+        for (size_t k = 0; k < model.textures.size(); ++k) texture_of(k);
+        for (size_t k = 0; k < model.materials.size(); ++k) source_material_of(k);
+    } else {
+        for (const uint32_t material : model.material_of)
+            if (material < model.materials.size()) source_material_of(material);
+    }
+}
+
 // Objects with one image share its texture.
 size_t GlbMaterials::interior_texture(const Image& image) {
-    const auto is_equal = [&](const Image* other) {
-        return other->name == image.name && other->mime_type == image.mime_type && other->bytes == image.bytes;
-    };
-    const auto known =
-        std::find_if(images_.end() - static_cast<std::ptrdiff_t>(interior_images_.size()), images_.end(), is_equal);
-    const auto number = static_cast<size_t>(known - images_.begin());
-    if (known == images_.end()) {
-        images_.push_back(&interior_images_.emplace_back(image));
-        textures_.push_back({{"sampler", sampler_of({})}, {"source", number}});
-    }
-    return textures_.size() - (images_.size() - number); // each of these images has one texture, in the same order
+    for (const auto& [known, texture] : interior_textures_)
+        if (is_equal(*known, image)) return texture;
+    images_.push_back(&interior_images_.emplace_back(image));
+    textures_.push_back({{"sampler", sampler_of({})}, {"source", images_.size() - 1}});
+    interior_textures_.emplace_back(images_.back(), textures_.size() - 1);
+    return textures_.size() - 1;
 }
 
 void GlbMaterials::use(const ExportOptions& options) {
     const std::vector<uint32_t> none;
     const auto& used = options.source ? options.source->material_of : none;
-    has_exterior_ = used.empty() || std::find(used.begin(), used.end(), no_material) != used.end();
-    if (const Model* source = options.source) {
-        for (const Material& material : source->materials) materials_.push_back(material_json(material, extensions_));
-        for (const Image& image : source->images) images_.push_back(&image);
-        for (const Texture& texture : source->textures) {
-            Json json{{"sampler", sampler_of(texture)}};
-            if (texture.image) json["source"] = *texture.image;
-            put_extensions(json, texture.extensions, extensions_);
-            textures_.push_back(std::move(json));
-        }
-    }
-    Json own = Json::array();
-    if (has_exterior_) own.push_back(material_json(exterior_material(options), extensions_));
-    Json& interior = own.emplace_back(material_json(interior_material(options), extensions_));
+    const bool has_exterior = used.empty() || std::find(used.begin(), used.end(), no_material) != used.end();
+    use_source(options);
+    if (has_exterior) exterior_ = own_material(plain_material_json(exterior_material(options), extensions_));
+    Json interior = plain_material_json(interior_material(options), extensions_);
     if (options.interior_image)
         interior["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", interior_texture(*options.interior_image)}};
-    const auto known = std::ranges::find(own_, own, &Own::materials);
-    first_own_ = known != own_.end() ? known->first : materials_.size();
-    if (known != own_.end()) return;
-    for (const Json& material : own) materials_.push_back(material);
-    own_.push_back({std::move(own), first_own_});
+    interior_ = own_material(std::move(interior));
+}
+
+size_t GlbMaterials::own_material(Json material) {
+    for (const size_t known : own_)
+        if (materials_[known] == material) return known;
+    materials_.push_back(std::move(material));
+    own_.push_back(materials_.size() - 1);
+    return own_.back();
 }
 
 size_t GlbMaterials::material_of(const DrawnPart& part) const {
-    if (part.interior) return first_own_ + (has_exterior_ ? 1 : 0);
-    return part.material == no_material ? first_own_ : part.material;
+    if (part.interior) return interior_;
+    if (part.material == no_material) return exterior_;
+    return part.material < source_.material_at.size() ? source_.material_at[part.material] : part.material;
 }
 
 void GlbMaterials::add_to(Json& document, std::set<std::string>& used,

@@ -1,5 +1,5 @@
 // Writes the materials, textures and images of a GLB file: those of the source with unchanged indices, then Brittle's
-// own. Several objects share a file if their sources have no materials, textures or images.
+// own. Of several objects, the sources of all but the first add what their triangles use, unless it is already there.
 #pragma once
 
 #include <cstddef>
@@ -7,6 +7,7 @@
 #include <list>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -18,7 +19,7 @@ namespace brittle::fracture {
 
 class GlbMaterials {
   public:
-    // Sets whose materials those of the next parts are. The source outlives this object.
+    // Sets whose materials those of the next parts are. The images of the source outlive this object.
     void use(const ExportOptions& options);
 
     // The index of the material of the part.
@@ -31,21 +32,33 @@ class GlbMaterials {
 
   private:
     using Json = nlohmann::ordered_json;
+    // The source in use. Lists by the indices of the source: the index in the file, or `unknown`.
+    struct Source {
+        const Model* model = nullptr;
+        const std::vector<Image>* images = nullptr;
+        bool is_first = false; // keeps its indices
+        std::vector<size_t> image_at{}, texture_at{}, material_at{};
+    };
+    size_t image_of(size_t image);
+    size_t texture_of(size_t texture);
+    size_t source_material_of(size_t material);
+    // Returns the index of the value, which is appended where the list does not have it; the first source appends all.
+    size_t add_to_list(Json& list, Json value) const;
+    void use_source(const ExportOptions& options);
     size_t sampler_of(const Texture& texture);
     size_t interior_texture(const Image& image);
 
-    // Materials of Brittle's own that objects share: where an exterior may have no source material it, then the interior.
-    struct Own {
-        Json materials;
-        size_t first; // index in the file
-    };
+    // Returns the index of a material of Brittle's own, which objects share.
+    size_t own_material(Json material);
 
-    std::vector<Own> own_;
-    size_t first_own_ = 0;      // of the object in use
-    bool has_exterior_ = false; // some part of the exterior may have no source material
+    std::vector<size_t> own_{}; // indices in the file of Brittle's own materials
+    // Of the object in use: where a part of the exterior has no source material, and of the interior.
+    size_t exterior_ = 0, interior_ = 0;
     Json materials_ = Json::array(), textures_ = Json::array(), samplers_ = Json::array();
     std::vector<const Image*> images_;
     std::list<Image> interior_images_;
+    std::vector<std::pair<const Image*, size_t>> interior_textures_;
+    Source source_;
     std::set<std::string> extensions_;
 };
 

@@ -18,6 +18,7 @@
 #include "fracture/io/glb_materials.h"
 #include "fracture/io/piece_surface.h"
 #include "fracture/io/rigid_body_json.h"
+#include "fracture/io/tangents.h"
 #include "fracture/io/writers.h"
 
 namespace brittle::fracture {
@@ -474,18 +475,15 @@ ObjectExport::~ObjectExport() = default;
 
 Result<void> ObjectExport::add(const Fragments& fragments, const ExportOptions& options) {
     if (Result<void> valid = check_export(fragments, options); !valid) return valid;
-    const Model* const source = options.source;
-    if (source && !(source->materials.empty() && source->textures.empty() && source->images.empty()))
-        return Error{Status::invalid_setting, options.name
-                                                  + ": the materials of several objects cannot be joined; "
-                                                    "leave those of their sources out"};
     const Result<Json> recipe = parse_recipe(options.recipe);
     if (!recipe) return recipe.error();
     std::vector<uint32_t> pieces(fragments.pieces.size());
     std::iota(pieces.begin(), pieces.end(), 0u);
     const std::optional<TriangleTree> outside = outside_of(options);
+    const std::vector<glm::vec4> tangents =
+        options.source ? corner_tangents(*options.source) : std::vector<glm::vec4>();
     const Certificate none;
-    const ExportJob job{fragments, none, options, pieces, "", outside ? &*outside : nullptr};
+    const ExportJob job{fragments, none, options, pieces, "", outside ? &*outside : nullptr, tangents};
     has_objects_ = true;
     return writer_->add(job, {{"object", options.name}, {"recipe", *recipe}});
 }

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <map>
 #include <set>
 
 #include <doctest/doctest.h>
@@ -398,16 +399,11 @@ TEST_CASE("export objects: bad objects are refused, and those before them are wr
     CHECK(scene.write(file).error().status == Status::invalid_setting);
     REQUIRE(scene.add(two_halves(), {.name = "a"}));
     const std::vector<PiecePose> one_pose(1);
-    Model textured;
-    textured.materials.emplace_back();
     Fragments negative = two_halves();
     negative.pieces[1].mass.volume = -1.0;
     CHECK(scene.add(two_halves(), {.name = "b", .poses = one_pose}).error().status == Status::invalid_setting);
     CHECK(scene.add(two_halves(), {.name = "b", .recipe = "[]"}).error().status == Status::invalid_setting);
     CHECK(scene.add(negative, {.name = "b"}).error().status == Status::inverted_part);
-    const auto refused = scene.add(two_halves(), {.name = "b", .source = &textured});
-    CHECK(refused.error().status == Status::invalid_setting);
-    CHECK(refused.error().message.find("b: the materials of several objects") == 0);
     REQUIRE(scene.add({}, {.name = "nothing left"}));
     REQUIRE(scene.write(file));
     const Glb glb = read_glb(file);
@@ -448,7 +444,7 @@ TEST_CASE("export objects: each is a root with its pieces as one file has them, 
     CHECK(interior(1) == "stone");
     CHECK(interior(4) == "wood");
     CHECK(interior(7) == "stone");
-    CHECK(glb.document["materials"].size() == 4);
+    CHECK(glb.document["materials"].size() == 3); // an exterior and two interiors
     CHECK(glb.document["textures"].size() == 2);
     CHECK(glb.document["images"].size() == 2);
     CHECK(glb.document["samplers"].size() == 1);
@@ -459,4 +455,105 @@ TEST_CASE("export objects: each is a root with its pieces as one file has them, 
         };
         CHECK(positions(glb, nodes[node]) == positions(alone, of_one[node > 2 ? node - 6 : node]));
     }
+}
+
+namespace {
+
+Image image_of(const std::string& name, unsigned char byte) {
+    // The first bytes of a PNG file, by which readers know it.
+    Image image{name, "image/png", {}};
+    for (const unsigned char one : {0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a, int{byte}})
+        image.bytes.push_back(std::byte{one});
+    return image;
+}
+
+// A cube whose triangles have the materials in turn.
+Model cube_of(const std::vector<Material>& materials, const std::vector<Image>& images,
+              const std::vector<uint32_t>& in_turn) {
+    Model model;
+    model.mesh = cube();
+    model.materials = materials;
+    model.images = images;
+    for (uint32_t k = 0; k < images.size(); ++k) model.textures.push_back({.image = k});
+    for (uint32_t t = 0; t < model.mesh.triangles.size(); ++t) {
+        model.material_of.push_back(in_turn[t % in_turn.size()]);
+        for (int k = 0; k < 3; ++k) model.uv[0].emplace_back(t, k);
+    }
+    return model;
+}
+
+// The image of a texture of a model; empty where it has none.
+std::string image_named(const Model& looks, const std::optional<TextureUse>& use) {
+    if (!use) return {};
+    const std::optional<uint32_t> image = looks.textures.at(use->texture).image;
+    return image ? looks.images.at(*image).name : "none";
+}
+
+} // namespace
+
+TEST_CASE("export objects: each has the materials of its source, and equal ones, with their images, are written once") {
+    const test::Folder folder;
+    const auto on = [](uint32_t texture) { return TextureUse{.texture = texture}; };
+    const Image oak = image_of("oak", 1), tin = image_of("tin", 2), unused = image_of("unused", 3);
+    const std::vector<Material> materials{{.name = "oak", .base_colour_texture = on(0)},
+                                          {.name = "tin", .metallic = 1.0, .base_colour_texture = on(1)}};
+    // The same in another order, between others; a clear coat refers to a texture by its number.
+    const std::vector<Material> others{
+        {.name = "unused", .base_colour_texture = on(0)},
+        {.name = "tin", .metallic = 1.0, .base_colour_texture = on(2)},
+        {.name = "coat",
+         .extensions = R"({"KHR_materials_clearcoat": {"clearcoatFactor": 1, "clearcoatTexture": {"index": 1}}})"}};
+    const Model first = cube_of(materials, {oak, tin}, {0, 1, no_material});
+    Model second = cube_of(others, {}, {1, 2});
+    const std::vector<Image> images{unused, oak, tin}; // apart from their model
+    for (uint32_t k = 0; k < 3; ++k) second.textures.push_back({.image = k});
+    const glm::dvec3 sites[] = {{-0.2, 0.0, 0.0}, {0.3, 0.1, 0.0}};
+    ObjectExport scene;
+    for (const char* name : {"a", "b"})
+        REQUIRE(scene.add(*fracture(first.mesh, sites), {.name = name, .source = &first, .uv_by_plane = true}));
+    REQUIRE(scene.add(*fracture(second.mesh, sites),
+                      {.name = "c", .source = &second, .images = &images, .uv_by_plane = true}));
+    REQUIRE(scene.add(*fracture(first.mesh, sites), {.name = "d"}));
+    const fs::path file = folder.path / "scene.glb";
+    REQUIRE(scene.write(file));
+
+    const Glb glb = read_glb(file);
+    CHECK(glb.document["images"].size() == 2); // what is not used is left out
+    CHECK(glb.document["textures"].size() == 2);
+    CHECK(glb.document["materials"].size() == 5); // oak, tin, exterior, interior, coat
+    CHECK(glb.document["extensionsUsed"] == json({"KHR_materials_clearcoat"}));
+
+    const auto read = import_scene(file, true);
+    REQUIRE(read);
+    CHECK(read->notes.empty());
+    REQUIRE(read->nodes.size() == 8);
+    const std::map<std::string, std::set<std::string>> expected{
+        {"a", {"exterior", "interior", "oak of oak", "tin of tin"}},
+        {"b", {"exterior", "interior", "oak of oak", "tin of tin"}},
+        {"c", {"coat", "interior", "tin of tin"}},
+        {"d", {"exterior", "interior"}}};
+    for (const SceneNode& node : read->nodes) {
+        CAPTURE(node.name);
+        std::set<std::string> shown;
+        for (const uint32_t m : read->meshes[node.mesh].looks.material_of) {
+            REQUIRE(m != no_material);
+            const Material& material = read->looks.materials[m];
+            const std::string image = image_named(read->looks, material.base_colour_texture);
+            shown.insert(material.name + (image.empty() ? "" : " of " + image));
+            CHECK(material.metallic == (material.name == "tin" ? 1.0 : 0.0));
+            if (material.name != "coat") continue;
+            const json coat = json::parse(material.extensions)["KHR_materials_clearcoat"]["clearcoatTexture"];
+            CHECK(image_named(read->looks, TextureUse{.texture = coat["index"]}) == "oak");
+        }
+        CHECK(shown == expected.at(node.name.substr(0, 1)));
+    }
+    // The first object is as in a file of its own.
+    REQUIRE(export_pieces(folder.path / "alone.glb", *fracture(first.mesh, sites), {},
+                          {.name = "a", .source = &first, .uv_by_plane = true}));
+    const Glb alone = read_glb(folder.path / "alone.glb");
+    for (size_t k = 0; k < alone.document["materials"].size(); ++k)
+        CHECK(glb.document["materials"][k] == alone.document["materials"][k]);
+    CHECK(glb.document["textures"] == alone.document["textures"]);
+    for (size_t k = 0; k < alone.document["meshes"].size(); ++k)
+        CHECK(glb.document["meshes"][k]["primitives"].size() == alone.document["meshes"][k]["primitives"].size());
 }

@@ -1,4 +1,6 @@
 // Export of a scene's pieces: one GLB file with a root node for each object.
+#include <algorithm>
+#include <array>
 #include <cstring>
 #include <map>
 #include <string>
@@ -6,11 +8,14 @@
 #include <doctest/doctest.h>
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
+#include <glm/matrix.hpp>
 #include <nlohmann/json.hpp>
 
+#include "fracture/io/export.h"
 #include "fracture/io/import.h"
 #include "fracture/mesh/mass_properties.h"
 #include "fracture/mesh/topology.h"
+#include "fracture/shapes/shapes.h"
 #include "tests/tools/support.h"
 #include "tools/scenario/base/failure.h"
 #include "tools/scenario/recipe/recipe.h"
@@ -208,4 +213,96 @@ TEST_CASE("scene export: render and replay write the same pieces") {
     CHECK(replayed.exit_code == exit_success);
     CHECK(read_text(folder / "a.glb").size() > 10'000);
     CHECK((read_text(folder / "a.glb") == read_text(folder / "b.glb")));
+}
+
+TEST_CASE("scene export: objects, nodes and pieces of files keep their materials, and mirrored ones their normals") {
+    const Folder folder;
+    // A box with a material for each direction, whose texture coordinates are its places and whose normals are its own.
+    fracture::Model box;
+    box.mesh = fracture::cuboid({1.0, 0.6, 0.4});
+    for (const char* name : {"x", "y", "z"}) {
+        box.materials.push_back({.name = name});
+        box.materials.back().base_colour = glm::dvec4(0.1 * double(box.materials.size()), 0.5, 0.25, 1.0);
+    }
+    for (const fracture::Triangle& t : box.mesh.triangles) {
+        const auto& at = box.mesh.positions;
+        const glm::dvec3 normal = glm::normalize(glm::cross(at[t.y] - at[t.x], at[t.z] - at[t.x]));
+        box.material_of.push_back(std::abs(normal.x) > 0.5 ? 0 : (std::abs(normal.y) > 0.5 ? 1 : 2));
+        for (int k = 0; k < 3; ++k) {
+            box.uv[0].emplace_back(at[t[k]].x, at[t[k]].y + 10.0 * at[t[k]].z);
+            box.normals.emplace_back(normal);
+        }
+    }
+    const std::string file = folder / "box.glb";
+    must(fracture::export_model(file, box));
+    const std::string node = must(fracture::import_scene(file)).nodes.at(0).name;
+    // A shape's pieces have no materials of a file. Sheared, mirrored and scaled objects; a fixed one.
+    FractureOptions options;
+    read_recipe(folder.write("scene.json", R"({"brittle": 2, "objects": [
+        {"name": "whole", "mesh": "box.glb", "shattered": true, "pattern": {"type": "uniform", "count": 5}},
+        {"name": "node", "mesh": "box.glb", "node": ")"
+                                               + node + R"(", "translation": [3, 0, 0],
+         "scale": [-2, 1, 0.5], "rotation": [0, 90, 0], "shattered": true, "pattern": {"type": "uniform", "count": 4}},
+        {"name": "pieces", "mesh": "box.glb", "in_pieces": true, "translation": [6, 0, 0], "scale": [1, -1, 1]},
+        {"name": "sheared", "mesh": "box.glb", "translation": [9, 0, 0], "shear": [0.5, 0, 0]},
+        {"name": "fixed", "mesh": "box.glb", "fixed": true, "translation": [12, 0, 0]},
+        {"name": "shape", "mesh": "shape:cube", "material": "stone", "translation": [15, 0, 0]}]})"),
+                options);
+    LoadedScene scene = load_scene(options, {}, nullptr, true);
+    Simulation simulation;
+    simulation.start(prepare_scene(scene), scene.world);
+    const std::string written = folder / "scene.glb";
+    ExportSettings settings;
+    settings.output = written;
+    CHECK(write_scene_state(settings, PiecesAs::made, scene, simulation) > 10);
+
+    const auto objects = objects_of(document_of(written));
+    const fracture::MeshScene read = must(fracture::import_scene(written, true));
+    CHECK(read.looks.materials.size() < 9);                       // each once: three, and those of Brittle's own
+    std::map<std::string, std::map<std::string, size_t>> corners; // by object and material
+    for (const fracture::SceneNode& part : read.nodes) {
+        const std::string& name = objects.at(part.name);
+        CAPTURE(name);
+        const LoadedObject& object =
+            *std::ranges::find_if(scene.objects, [&](const LoadedObject& one) { return one.object.name == name; });
+        const glm::dmat4 to_world = [&] {
+            glm::dmat4 world(linear_part(object.object.placement));
+            world[3] = glm::dvec4(object.object.placement.translation, 1.0);
+            return world;
+        }();
+        const fracture::Model model = fracture::model_of(read, part.mesh);
+        REQUIRE(model.normals.size() == 3 * model.mesh.triangles.size());
+        for (size_t t = 0; t < model.mesh.triangles.size(); ++t) {
+            const fracture::Material& material = model.materials.at(model.material_of.at(t));
+            ++corners[name][material.name];
+            if (material.name.size() > 1) continue; // not of the file
+            CHECK(material.base_colour.y == 0.5);
+            std::array<glm::dvec3, 3> at; // in the box
+            for (int k = 0; k < 3; ++k) {
+                const glm::dvec4 p(model.mesh.positions[model.mesh.triangles[t][k]], 1.0);
+                at[size_t(k)] = glm::dvec3(glm::inverse(to_world) * part.world * p);
+            }
+            const bool mirrored = glm::determinant(glm::dmat3(to_world)) < 0.0;
+            const glm::dvec3 across = (mirrored ? -1.0 : 1.0) * glm::cross(at[1] - at[0], at[2] - at[0]);
+            if (!(glm::length(across) > 1e-3)) continue; // a sliver
+            const int axis = material.name[0] - 'x';
+            CHECK(std::abs(glm::normalize(across)[axis]) > 0.999);
+            const glm::dvec3 expected =
+                glm::normalize(glm::transpose(glm::inverse(glm::dmat3(to_world))) * glm::normalize(across));
+            for (size_t k = 0; k < 3; ++k) {
+                const glm::vec2 uv(at[k].x, at[k].y + 10.0 * at[k].z);
+                CHECK(glm::distance(model.uv[0][3 * t + k], uv) < 1e-4f);
+                const glm::dvec3 normal = glm::dmat3(part.world) * glm::dvec3(model.normals[3 * t + k]);
+                CHECK(glm::dot(normal, expected) > 0.999);
+            }
+        }
+    }
+    for (const char* name : {"whole", "node", "pieces", "sheared", "fixed"}) {
+        CAPTURE(name);
+        for (const char* material : {"x", "y", "z"}) CHECK(corners[name][material] >= 4);
+    }
+    CHECK(corners["whole"]["interior"] > 0);
+    CHECK_FALSE(corners["pieces"].contains("interior"));
+    CHECK(corners["shape"].size() == 1);
+    CHECK(corners["shape"].contains("stone"));
 }

@@ -208,7 +208,7 @@ int render_scene(const RenderCommand& command, const FilmOptions& film_options, 
     const PictureOptions& picture = command.fracture.picture;
     check_scene_options(command);
     const Host host = drawing_host();
-    LoadedScene scene = open_scene(command.fracture, host);
+    LoadedScene scene = open_scene(command.fracture, host, nullptr, !command.pieces.output.empty());
     if (!command.fracture.save_recipe.empty()) write_recipe(command.fracture.save_recipe, command.fracture);
     const std::unique_ptr<engine::Device> device = open_device(command.view);
     const auto renderer = must(engine::Renderer::create(*device, film_settings(command.view)));

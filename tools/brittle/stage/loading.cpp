@@ -26,9 +26,9 @@ Input open_input(const FractureOptions& options, bool with_looks) {
     return load_input(options, with_looks, program_host());
 }
 
-LoadedScene open_scene(const FractureOptions& options, const Host& host, SceneCache* cache) {
+LoadedScene open_scene(const FractureOptions& options, const Host& host, SceneCache* cache, bool with_looks) {
     const InterruptDeadline deadline;
-    return load_scene(options, host, cache);
+    return load_scene(options, host, cache, with_looks);
 }
 
 } // namespace brittle::tools

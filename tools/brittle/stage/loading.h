@@ -17,6 +17,7 @@ namespace brittle::tools {
 
 // As load_input() and load_scene().
 [[nodiscard]] Input open_input(const FractureOptions& options, bool with_looks = false);
-[[nodiscard]] LoadedScene open_scene(const FractureOptions& options, const Host& host, SceneCache* cache = nullptr);
+[[nodiscard]] LoadedScene open_scene(const FractureOptions& options, const Host& host, SceneCache* cache = nullptr,
+                                     bool with_looks = false);
 
 } // namespace brittle::tools

@@ -57,7 +57,7 @@ std::shared_ptr<const Object> Object::load(const FractureOptions& options, const
     if (tools::is_scene(options)) {
         auto cache = earlier && earlier->cache_ ? earlier->cache_ : std::make_shared<SceneCache>();
         const Host host = drawing_host();
-        LoadedScene scene = open_scene(options, host, cache.get());
+        LoadedScene scene = open_scene(options, host, cache.get(), true);
         std::vector<PreparedObject> parts = prepare_scene(scene, host, {}, progress, cache.get());
         const std::shared_ptr<Object> made(new Object(std::move(scene), std::move(parts)));
         made->cache_ = std::move(cache);

@@ -41,7 +41,7 @@ LoadedRun load_run(const FractureOptions& recipe, const Host& host, bool with_lo
     LoadedRun run;
     run.recipe = recipe;
     if (run.of_scene()) {
-        run.scene = load_scene(recipe, host);
+        run.scene = load_scene(recipe, host, nullptr, with_looks);
         return run;
     }
     run.source = load_input(recipe, with_looks, host);

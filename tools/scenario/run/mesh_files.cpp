@@ -5,6 +5,7 @@
 #include <system_error>
 #include <utility>
 
+#include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
 #include "fracture/io/text_cursor.h"
@@ -20,20 +21,14 @@ void turn_corners(auto& list) {
     for (size_t t = 0; t + 2 < list.size(); t += 3) std::swap(list[t + 1], list[t + 2]);
 }
 
-// The mesh of a node in the coordinates of its file, with the attributes that pictures need. A mirrored mesh is turned,
-// so that it stays outside out.
+// The mesh of a node in the coordinates of its file. A mirrored mesh is turned, so that it stays outside out.
 fracture::Model placed(const fracture::SceneMesh& from, const glm::dmat4& world) {
-    fracture::Model model;
+    fracture::Model model = from.looks;
     model.mesh = from.mesh;
-    model.uv = from.looks.uv;
-    model.colours = from.looks.colours;
-    model.material_of = from.looks.material_of;
     for (glm::dvec3& p : model.mesh.positions) p = glm::dvec3(world * glm::dvec4(p, 1.0));
-    if (glm::determinant(glm::dmat3(world)) < 0.0) {
+    if (glm::determinant(glm::dmat3(world)) < 0.0)
         for (fracture::Triangle& t : model.mesh.triangles) std::swap(t.y, t.z);
-        for (auto& set : model.uv) turn_corners(set);
-        turn_corners(model.colours);
-    }
+    turn_attributes(model, glm::dmat3(world));
     return model;
 }
 
@@ -60,23 +55,31 @@ std::shared_ptr<const engine::MaterialSet> MeshFiles::materials_of(const SceneOb
                                                                    std::vector<std::string>& notes) {
     if (!maker.materials) return nullptr;
     const std::string& file = object.recipe.mesh;
-    const fracture::Model& model = model_of(object);
     const bool is_whole = !object.in_pieces && object.node.empty();
+    const fracture::Model& model = model_of(object);
     if (!is_whole && !fracture::has_looks(model)) return nullptr; // nodes of one file differ
-    Decoded& decoded = is_whole ? whole_of(file).decoded : content_of(file).decoded;
-    if (std::exchange(decoded.is_done, true)) return decoded.materials;
+    Looks& looks = looks_of(object);
+    if (std::exchange(looks.is_decoded, true)) return looks.materials;
     fracture::Model& source = is_whole ? whole_of(file).model : content_of(file).scene.looks;
     std::vector<std::string> own = std::exchange(source.notes, {});
-    if (is_whole) {
-        decoded.materials = maker.materials(source, own);
-    } else {
-        fracture::Model shown = model;
-        shown.images = std::move(source.images);
-        decoded.materials = maker.materials(shown, own);
-    }
-    source.images.clear(); // only the decoded ones are used
+    fracture::Model shown = model;
+    shown.images = *looks.images;
+    looks.materials = maker.materials(shown, own);
     for (const std::string& note : own) notes.push_back(mesh_name(file) + ": " + note);
-    return decoded.materials;
+    return looks.materials;
+}
+
+MeshFiles::Looks& MeshFiles::looks_of(const SceneObject& object) {
+    const std::string& file = object.recipe.mesh;
+    const bool is_whole = !object.in_pieces && object.node.empty();
+    Looks& looks = is_whole ? whole_of(file).looks : content_of(file).looks;
+    std::vector<fracture::Image>& images = is_whole ? whole_of(file).model.images : content_of(file).scene.looks.images;
+    if (!looks.images) looks.images = std::make_shared<const std::vector<fracture::Image>>(std::exchange(images, {}));
+    return looks;
+}
+
+std::shared_ptr<const std::vector<fracture::Image>> MeshFiles::images_of(const SceneObject& object) {
+    return looks_of(object).images;
 }
 
 std::optional<uint32_t> MeshFiles::index_of(const SceneObject& object) {
@@ -129,6 +132,21 @@ void MeshFiles::keep_only(const std::set<std::string>& files) {
     std::erase_if(nodes_, is_left_out);
     std::erase_if(whole_, is_left_out);
     std::erase_if(pieces_, is_left_out);
+}
+
+void turn_attributes(fracture::Model& model, const glm::dmat3& linear) {
+    const bool mirrored = glm::determinant(linear) < 0.0;
+    const glm::dmat3 cofactors(glm::cross(linear[1], linear[2]), glm::cross(linear[2], linear[0]),
+                               glm::cross(linear[0], linear[1]));
+    for (glm::vec3& normal : model.normals) {
+        const glm::dvec3 turned = (mirrored ? -1.0 : 1.0) * (cofactors * glm::dvec3(normal));
+        const double length = glm::length(turned);
+        normal = length > 0.0 ? glm::vec3(turned / length) : glm::vec3(0.0f); // zero: flat
+    }
+    if (!mirrored) return;
+    for (auto& set : model.uv) turn_corners(set);
+    turn_corners(model.normals);
+    turn_corners(model.colours);
 }
 
 std::string fault_of(const fracture::TriangleMesh& mesh) {

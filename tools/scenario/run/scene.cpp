@@ -65,14 +65,36 @@ std::string prepared_key(const SceneObject& object) {
     return solid_key(object) + " " + std::to_string(own.pattern.seed) + " " + stamp_of(own.sites_file);
 }
 
+// What an object is loaded from and for.
+struct Loading {
+    LengthUnit units;
+    MeshFiles& files;
+    const Host& host;
+    bool with_looks; // of load_scene()
+};
+
+// Keeps what an export needs of the looks of a model that deform() has moved.
+void keep_looks(fracture::Model& model, const ObjectPlacement& placement) {
+    ObjectPlacement deformation;
+    deformation.shear = placement.shear;
+    deformation.scale = placement.scale;
+    turn_attributes(model, linear_part(deformation));
+    model.images.clear();
+    model.notes.clear();
+    if (fracture::has_looks(model)) return;
+    model.materials.clear();
+    model.textures.clear();
+}
+
 // Loads an object's mesh, in metres of the object, ready for a fracture unless it is fixed.
-Input load_object(const SceneObject& object, LengthUnit units, MeshFiles& files, const Host& host,
-                  std::vector<std::string>& notes) {
+Input load_object(const SceneObject& object, const Loading& loading, std::vector<std::string>& notes) {
+    MeshFiles& files = loading.files;
+    const Host& host = loading.host;
     Input input;
     const std::shared_ptr<const engine::MaterialSet> materials = files.materials_of(object, host.looks, notes);
     input.model = files.model_of(object);
     input.name = object.name;
-    const double metres = object.recipe.mesh.starts_with("shape:") ? 1.0 : metres_of(units);
+    const double metres = object.recipe.mesh.starts_with("shape:") ? 1.0 : metres_of(loading.units);
     input.scale = metres * std::abs(object.placement.scale.x);
     if (!object.fixed && !object.in_pieces) {
         prepare_mesh(object.recipe, input, host);
@@ -82,7 +104,10 @@ Input load_object(const SceneObject& object, LengthUnit units, MeshFiles& files,
     const glm::dvec3& scale = object.placement.scale;
     if (materials)
         input.looks = host.looks.looks(input.model, input.model.mesh, materials, !(scale.x * scale.y * scale.z > 0.0));
-    keep_mesh_only(input.model);
+    if (loading.with_looks)
+        keep_looks(input.model, object.placement);
+    else
+        keep_mesh_only(input.model);
     if (is_cut_at_start(object)) {
         SiteSet set = sites_for(object.recipe, input.model.mesh);
         input.sites = std::move(set.sites);
@@ -107,16 +132,17 @@ std::string note_of(const SceneObject& object, const std::string& fault) {
 }
 
 // A mesh that cannot be broken is loaded as that of a fixed object.
-LoadedMesh load(SceneObject object, LengthUnit units, MeshFiles& files, const Host& host,
-                std::vector<std::string>& notes) {
+LoadedMesh load(SceneObject object, const Loading& loading, std::vector<std::string>& notes) {
     LoadedMesh mesh;
+    if (loading.with_looks) mesh.images = loading.files.images_of(object);
     try {
-        mesh.input = std::make_shared<const Input>(load_object(object, units, files, host, notes));
+        mesh.input = std::make_shared<const Input>(load_object(object, loading, notes));
     } catch (const Failure& failure) {
         if (failure.code() != exit_mesh) throw;
         mesh.fault = failure.what();
         fix(object);
-        mesh.input = std::make_shared<const Input>(load_object(object, units, files, host, notes));
+        if (loading.with_looks) mesh.images = loading.files.images_of(object);
+        mesh.input = std::make_shared<const Input>(load_object(object, loading, notes));
     }
     return mesh;
 }
@@ -205,24 +231,26 @@ void find_home(LoadedScene& scene) {
     scene.home = home_of(scene.objects);
 }
 
-LoadedScene load_scene(const FractureOptions& scene, const Host& host, SceneCache* cache) {
+LoadedScene load_scene(const FractureOptions& scene, const Host& host, SceneCache* cache, bool with_looks) {
     LoadedScene loaded{.glue = scene.glue, .world = scene.world, .threads = scene.threads};
     loaded.world.height = 0.0;
     SceneCache own;
     auto& [files, meshes, prepared] = cache ? *cache : own;
+    const Loading loading{scene.units, files, host, with_looks};
     for (const SceneObject& object : objects_of(scene, files, loaded.notes)) {
         throw_if_cancelled(host);
-        LoadedObject& made = loaded.objects.emplace_back(LoadedObject{object, nullptr, {}, {}, false});
+        LoadedObject& made = loaded.objects.emplace_back(LoadedObject{object, nullptr, nullptr, {}, {}, false});
         try {
-            const std::string key = mesh_key(object, scene.units, files);
+            const std::string key = mesh_key(object, scene.units, files) + (with_looks ? " with looks" : "");
             const LoadedMesh* mesh = meshes.find(key);
-            if (!mesh) mesh = &meshes.add(key, load(object, scene.units, files, host, loaded.notes));
+            if (!mesh) mesh = &meshes.add(key, load(object, loading, loaded.notes));
             if (!mesh->fault.empty()) {
                 loaded.notes.push_back(note_of(object, mesh->fault));
                 fix(made.object);
                 made.refused = true;
             }
             made.input = mesh->input;
+            made.images = mesh->images;
             place(made, object.placement);
         } catch (const Failure& failure) {
             throw failure.at("object " + object.name);

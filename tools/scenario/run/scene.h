@@ -31,6 +31,8 @@ struct SceneCache;
 struct LoadedObject {
     SceneObject object;                 // as in the recipe; fixed also where its mesh cannot be broken
     std::shared_ptr<const Input> input; // in metres of the object; objects may share it
+    // Of the model of `input`, which has none itself; null unless the scene was loaded with looks.
+    std::shared_ptr<const std::vector<fracture::Image>> images;
     physics::Pose placement;
     fracture::Box box;    // in the world
     bool refused = false; // it should break, but its mesh cannot be broken
@@ -49,8 +51,10 @@ struct LoadedScene {
 // about faults of the level. Throws a Failure.
 [[nodiscard]] std::vector<std::string> expand_level(FractureOptions& scene);
 
-// Throws a Failure. `cache` (scene_cache.h) holds what earlier calls made, and may be null.
-[[nodiscard]] LoadedScene load_scene(const FractureOptions& scene, const Host& host = {}, SceneCache* cache = nullptr);
+// Throws a Failure. `cache` (scene_cache.h) holds what earlier calls made, and may be null. `with_looks`: the models of
+// the objects keep their materials, textures and attributes of corners, for an export.
+[[nodiscard]] LoadedScene load_scene(const FractureOptions& scene, const Host& host = {}, SceneCache* cache = nullptr,
+                                     bool with_looks = false);
 
 // Moves and turns a loaded object. Its scale and shear must stay.
 void place(LoadedObject& object, const ObjectPlacement& placement);

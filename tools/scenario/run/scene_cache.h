@@ -13,6 +13,7 @@
 #include <memory>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "tools/scenario/recipe/input.h"
 #include "tools/scenario/run/mesh_files.h"
@@ -52,7 +53,8 @@ class RecentMap {
 
 struct LoadedMesh {
     std::shared_ptr<const Input> input;
-    std::string fault; // why the mesh cannot be broken
+    std::shared_ptr<const std::vector<fracture::Image>> images; // LoadedObject::images
+    std::string fault;                                          // why the mesh cannot be broken
 };
 
 // An object as prepare_scene() makes it, without payloads.

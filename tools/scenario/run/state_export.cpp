@@ -241,6 +241,7 @@ size_t write_scene_state(const ExportSettings& settings, PiecesAs as, const Load
             for (size_t p = 0; p < live.poses.size(); ++p)
                 live.poses[p] = made_pose(object.placement, live.fragments.pieces[p].mass.centre_of_mass);
         fracture::ExportOptions options = export_options(settings, object.object.recipe, *object.input);
+        options.images = object.images.get();
         options.name = object.object.name;
         options.uv_by_plane = true;
         options.poses = live.poses;
