@@ -485,7 +485,8 @@ std::vector<glm::dvec3> place(std::span<const glm::dvec3> sites, const Box& from
     for (glm::dvec3 p : sites) {
         p -= from.centre();
         for (int axis = 0; axis < 3; ++axis) {
-            const double angle = placement.turn[axis] * pi / 180.0, c = rounded::cos(angle), s = rounded::sin(angle);
+            const double angle = std::fmod(placement.turn[axis], 360.0) * pi / 180.0;
+            const double c = rounded::cos(angle), s = rounded::sin(angle);
             const int a = (axis + 1) % 3, b = (axis + 2) % 3;
             const double x = p[a], y = p[b];
             p[a] = c * x - s * y;

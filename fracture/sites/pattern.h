@@ -75,7 +75,7 @@ struct PatternSites {
 // sites are rotated about the centre of the first box (about X, then Y, then Z), scaled uniformly by the ratio of the
 // boxes' longest sides and by `scale`, and translated to the centre of the second box plus `move`.
 struct Placement {
-    glm::dvec3 turn{0.0}; // rotation about X, Y and Z, degrees
+    glm::dvec3 turn{0.0}; // rotation about X, Y and Z, degrees; any finite numbers
     double scale = 1.0;
     glm::dvec3 move{0.0}; // translation, m, applied last
 };

@@ -301,3 +301,17 @@ TEST_CASE("pattern: a diagram is rotated, scaled and translated onto another box
     CHECK(glm::length(placed[0] - glm::dvec3(9.5, 11.0, 10.5)) < 1e-12);
     CHECK(glm::length(placed[1] - glm::dvec3(9.5, 12.0, 10.5)) < 1e-12); // X became Y, twice as long, scaled by half
 }
+
+TEST_CASE("pattern: a diagram is rotated by any finite angle") {
+    const Box box{{0.0, 0.0, 0.0}, {2.0, 1.0, 1.0}};
+    const std::vector<glm::dvec3> sites = {{2.0, 0.25, 0.5}};
+    for (const double turns : {1.0, -1.0, 1e6, -1e12}) {
+        const auto placed = place(sites, box, box, {.turn = {0.0, 0.0, 360.0 * turns + 90.0}});
+        CHECK(glm::length(placed[0] - glm::dvec3(1.25, 1.5, 0.5)) < 1e-12);
+    }
+    const double largest = std::numeric_limits<double>::max();
+    for (const glm::dvec3& turn : {glm::dvec3(1e300, 0.0, 0.0), glm::dvec3(-1e300, 1e18, 0.0), glm::dvec3(largest)}) {
+        const glm::dvec3 from_centre = place(sites, box, box, {.turn = turn})[0] - box.centre();
+        CHECK(glm::length(from_centre) == doctest::Approx(glm::length(sites[0] - box.centre())));
+    }
+}
