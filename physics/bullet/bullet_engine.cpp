@@ -52,6 +52,22 @@ struct Velocity {
     btVector3 linear{0, 0, 0}, angular{0, 0, 0};
 };
 
+// Bullet keeps the contacts that it predicts for fast bodies until its next step. removeRigidBody() leaves those of the
+// body that it removes, with their pointers to it.
+class DynamicsWorld final : public btDiscreteDynamicsWorld {
+  public:
+    using btDiscreteDynamicsWorld::btDiscreteDynamicsWorld;
+
+    void forget_predicted_contacts(const btRigidBody& body) {
+        for (int i = m_predictiveManifolds.size(); i-- > 0;) {
+            btPersistentManifold* const manifold = m_predictiveManifolds[i];
+            if (manifold->getBody0() != &body && manifold->getBody1() != &body) continue;
+            m_dispatcher1->releaseManifold(manifold);
+            m_predictiveManifolds.removeAtIndex(i);
+        }
+    }
+};
+
 // Bullet's frame of a body has its origin at the centre of mass and its axes along the principal axes of inertia.
 struct BulletBody {
     BodyId id;
@@ -175,7 +191,7 @@ class BulletEngine final : public Engine {
     btCollisionDispatcher dispatcher_{&configuration_};
     btDbvtBroadphase broadphase_;
     btSequentialImpulseConstraintSolver solver_;
-    btDiscreteDynamicsWorld world_{&dispatcher_, &broadphase_, &solver_, &configuration_};
+    DynamicsWorld world_{&dispatcher_, &broadphase_, &solver_, &configuration_};
     std::unique_ptr<btStaticPlaneShape> ground_shape_;
     std::unique_ptr<btRigidBody> ground_;
     std::vector<std::unique_ptr<BulletBody>> bodies_; // in body order; the rigid bodies' user index points here
@@ -323,6 +339,7 @@ void BulletEngine::remove(size_t index) {
              {std::pair(manifold.getBody0(), manifold.getBody1()), {manifold.getBody1(), manifold.getBody0()}})
             if (own == leaving && !other->isStaticObject()) other->activate(true);
     });
+    world_.forget_predicted_contacts(*leaving);
     world_.removeRigidBody(leaving);
     bodies_.erase(bodies_.begin() + static_cast<std::ptrdiff_t>(index));
     for (size_t i = index; i < bodies_.size(); ++i) bodies_[i]->rigid->setUserIndex(static_cast<int>(i));
