@@ -66,11 +66,11 @@ BodyMass true_mass(const Piece& piece, double density) {
 }
 
 bool is_possible(const BodyMass& body) {
-    if (!(body.mass > 0.0) || !std::isfinite(body.mass)) return false;
+    if (!(body.mass >= static_cast<double>(min_mass)) || !std::isfinite(body.mass)) return false;
     const glm::dvec3 moments = fracture::principal_axes(body.inertia).moments;
     const double largest = std::max({moments.x, moments.y, moments.z});
     const double smallest = std::min({moments.x, moments.y, moments.z});
-    return largest > 0.0 && smallest >= -moment_slack * largest
+    return largest >= min_moment && smallest >= -moment_slack * largest
            && 2.0 * largest <= (moments.x + moments.y + moments.z) * (1.0 + moment_slack);
 }
 

@@ -16,6 +16,9 @@ namespace brittle::physics {
 
 // Relative tolerance of "no principal moment exceeds the sum of the other two": moments are rounded to float.
 inline constexpr double moment_slack = 1e-3;
+// Range in which products and inverses fit in single precision: from a grain of dust to a mountain.
+inline constexpr float min_mass = 1e-18f, greatest_mass = 1e18f;    // kg
+inline constexpr double min_moment = 1e-28, greatest_moment = 1e28; // kg m^2, of the largest principal moment
 
 struct BodyMass {
     double mass = 0.0;       // kg
@@ -29,11 +32,12 @@ struct BodyMass {
 // Returns density times the piece's integrals. Those of a sliver may round to values that is_possible() rejects.
 [[nodiscard]] BodyMass true_mass(const fracture::Piece& piece, double density);
 
-// Returns whether a rigid body can have this mass and inertia: positive mass, and no principal moment above the sum of
-// the other two.
+// Returns whether a rigid body can have this mass and inertia: neither is that of less than a grain of dust, and no
+// principal moment is above the sum of the other two.
 [[nodiscard]] bool is_possible(const BodyMass& body);
 
-// Returns the mass of the points' bounding box, whose sides are at least a thousandth of the longest.
+// Returns the mass of the points' bounding box, whose sides are at least a thousandth of the longest and a tenth of a
+// millimetre.
 [[nodiscard]] BodyMass box_mass(std::span<const glm::dvec3> points, double density);
 
 // Returns true_mass() if it is_possible(), else box_mass().

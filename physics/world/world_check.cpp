@@ -13,10 +13,7 @@ namespace {
 // Least ratio of a body's smallest to its largest principal moment. Below it, the single-precision rows of a needle
 // that spins about its own axis diverge.
 constexpr double min_moment_ratio = 1e-4;
-// Range in which products and inverses fit in single precision: from a grain of dust to a mountain.
-constexpr float min_mass = 1e-18f, greatest_mass = 1e18f;    // kg
-constexpr double min_moment = 1e-28, greatest_moment = 1e28; // kg m^2
-constexpr float min_joint_length = 1e-3f;                    // m; a shorter rope or rod has no steady direction
+constexpr float min_joint_length = 1e-3f; // m; a shorter rope or rod has no steady direction
 
 fracture::Error bad_setting(std::string message) {
     return {fracture::Status::invalid_setting, std::move(message)};

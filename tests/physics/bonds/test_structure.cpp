@@ -96,6 +96,35 @@ TEST_CASE("bonds to missing pieces and bonds without area are broken from the st
     CHECK(structure.graph().live_count() == 0);
 }
 
+TEST_CASE("a grain of dust that comes off a structure becomes a body") {
+    // The bisector cuts a corner of 10 nm to 1 mm off a cube of 1 m.
+    for (const double side : {1e-8, 1e-7, 1e-6, 1e-5, 1e-3}) {
+        CAPTURE(side);
+        const glm::dvec3 far(1.0 - side / 1.5);
+        const fracture::Fragments fragments =
+            *fracture::fracture(fracture::cube(1.0), std::vector{glm::dvec3(0.0), far});
+        REQUIRE(fragments.pieces.size() == 2);
+        REQUIRE(fragments.bonds.size() == 1);
+        const uint32_t dust = fragments.pieces[0].mass.volume < fragments.pieces[1].mass.volume ? 0 : 1;
+        CHECK(fragments.pieces[dust].mass.volume == doctest::Approx(side * side * side / 6.0).epsilon(0.05));
+        for (const EngineKind engine : {EngineKind::solver, EngineKind::bullet}) {
+            World world({.engine = engine});
+            Structure structure =
+                must_create(world, fragments, {.motion = {.placement = {.position = {0.0f, 1.0f, 0.0f}}}});
+            REQUIRE(world.body_count() == 1);
+            structure.isolate(dust);
+            structure.update(world);
+            CHECK(world.body_count() == 2);
+            CHECK(structure.body_of(dust) != structure.body_of(1 - dust));
+            for (int step = 0; step < 60; ++step) {
+                world.step();
+                structure.update(world);
+            }
+            for (const BodyId body : world.bodies()) CHECK(std::isfinite(glm::length(world.pose(body).position)));
+        }
+    }
+}
+
 TEST_CASE("bonded pieces are one body with the mass and inertia of the whole") {
     World world(empty_space);
     const fracture::Fragments fragments = broken_box(40, 3);
