@@ -207,8 +207,7 @@ United unite_in_rounds(const TriangleMesh& mesh, uint32_t rounds, uint32_t threa
     for (uint32_t round = 0; round < rounds; ++round) {
         std::optional<Divided> divided(std::in_place, state.mesh, state.is_fresh, threads);
         const size_t cuts = divided->all.cuts.size();
-        report.complete = round > 0 && cuts == 0;
-        if (report.complete) break;
+        // Rounding can also lay triangles onto each other, or turn a part inside out: no triangle is cut then.
         divided->find_facets(threads);
         report.complete = std::all_of(divided->facets.begin(), divided->facets.end(), is_clean);
         if (report.complete) break;
