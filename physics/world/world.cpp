@@ -7,9 +7,11 @@
 #include <utility>
 
 #include <glm/common.hpp>
+#include <glm/geometric.hpp>
 
 #include "physics/world/engine.h"
 #include "physics/world/joint.h"
+#include "physics/world/magnitude.h"
 #include "physics/world/state_hash.h"
 #include "physics/world/world_check.h"
 
@@ -336,7 +338,15 @@ Mechanics World::mechanics(BodyId id) const {
 void World::apply_impulse(BodyId id, glm::vec3 impulse, glm::vec3 point) {
     const size_t body = impl_->index_of(id);
     assert(finite(impulse) && finite(point));
-    if (!impl_->engine->fixed(body)) impl_->engine->apply_impulse(body, impulse, point);
+    if (impl_->engine->fixed(body)) return;
+    // A push on a grain of dust, or at a point far from its body.
+    const glm::dvec3 arm = glm::dvec3(point) - glm::dvec3(impl_->engine->pose(body).position);
+    const glm::dvec3 linear = glm::dvec3(impulse) / static_cast<double>(impl_->engine->mass(body));
+    const glm::dvec3 angular = glm::dmat3(impl_->engine->inverse_inertia(body)) * glm::cross(arm, glm::dvec3(impulse));
+    const double change = std::max(glm::length(linear), glm::length(angular));
+    if (change > static_cast<double>(max_magnitude))
+        impulse *= static_cast<float>(static_cast<double>(max_magnitude) / change);
+    impl_->engine->apply_impulse(body, impulse, point);
 }
 
 void World::set_velocity(BodyId id, glm::vec3 linear, glm::vec3 angular) {
