@@ -20,6 +20,9 @@ namespace {
 
 constexpr float units = 10.0f; // Bullet's lengths per metre
 constexpr int iterations = 20; // of its contact solver
+// The largest moment of inertia, and moment times turn in a step, whose cube fits in single precision: kg dm^2.
+constexpr double max_gyroscopic = 1e12;
+constexpr float max_speed = 1e5f, max_spin = 1e5f; // m/s, rad/s, at the beginning of a step
 
 // Quantities without a factor of length: axes, angular velocities.
 btVector3 to_bullet(const glm::vec3& v) {
@@ -172,6 +175,8 @@ class BulletEngine final : public Engine {
     [[nodiscard]] Result<std::unique_ptr<BulletBody>> make(BodyId id, const BodyDesc& desc) const;
     btConvexHullShape& add_hull(BulletBody& body, const CollisionHull& hull, const glm::quat& rotation) const;
     void set_ccd(BulletBody& body) const;
+    void limit_velocity(BulletBody& body) const;
+    void limit_gyroscopic(BulletBody& body) const;
     using JointList = std::vector<std::unique_ptr<BulletJoint>>;
     [[nodiscard]] JointList::const_iterator find(JointId id) const {
         return std::ranges::lower_bound(joints_, id, {}, [](const auto& joint) { return joint->id; });
@@ -345,12 +350,36 @@ void BulletEngine::remove(size_t index) {
     for (size_t i = index; i < bodies_.size(); ++i) bodies_[i]->rigid->setUserIndex(static_cast<int>(i));
 }
 
+// Bullet's solver loses a body to NaN where the velocities of heavy and light ones differ by more.
+void BulletEngine::limit_velocity(BulletBody& body) const {
+    const btVector3 &linear = body.rigid->getLinearVelocity(), &angular = body.rigid->getAngularVelocity();
+    if (const float speed = linear.length(); speed > max_speed * units)
+        body.rigid->setLinearVelocity(linear * (max_speed * units / speed));
+    if (const float spin = angular.length(); spin > max_spin)
+        body.rigid->setAngularVelocity(angular * (max_spin / spin));
+}
+
+// Bullet finds the gyroscopic torque from a determinant of moments times turns. Where that is beyond single precision,
+// the body goes without the torque instead of to no place.
+void BulletEngine::limit_gyroscopic(BulletBody& body) const {
+    const glm::dvec3& m = body.moments;
+    const double moment = std::max({m.x, m.y, m.z}) * static_cast<double>(units * units);
+    const double turn =
+        glm::length(glm::dvec3(to_glm(body.rigid->getAngularVelocity()))) * static_cast<double>(settings_.step);
+    const int flag = BT_ENABLE_GYROSCOPIC_FORCE_IMPLICIT_BODY, others = body.rigid->getFlags() & ~flag;
+    body.rigid->setFlags(moment * std::max(turn, 1.0) > max_gyroscopic ? others : others | flag);
+}
+
 void BulletEngine::step() {
     const std::lock_guard lock(bullet_mutex());
     const btVector3 fall = world_.getGravity() * settings_.step;
     for (const auto& body : bodies_) {
         body->step_start = body->rigid->getWorldTransform();
         body->rewind_seconds = settings_.step;
+        if (!body->fixed) {
+            limit_velocity(*body);
+            limit_gyroscopic(*body);
+        }
         body->unhindered = body->velocity();
         if (!body->fixed && body->rigid->isActive()) body->unhindered.linear += fall;
     }

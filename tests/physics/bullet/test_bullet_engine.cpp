@@ -151,6 +151,56 @@ TEST_CASE("bullet: bodies that are about to meet can be removed one after the ot
     }
 }
 
+TEST_CASE("bullet: impulses beyond single precision leave a finite velocity, as on the solver") {
+    for (const EngineKind engine : both) {
+        CAPTURE(name(engine));
+        World world(on(engine, empty_space));
+        const BodyId grain = must_add(world, box(glm::vec3(1e-4f), 1e-9f, {}));
+        for (const glm::vec3& impulse : {glm::vec3(1e9f, 0.0f, 0.0f), glm::vec3(0.0f, -3e38f, 3e38f)}) {
+            world.apply_impulse(grain, impulse, {-1e9f, 1e9f, 0.0f});
+            CHECK(glm::length(glm::dvec3(world.linear_velocity(grain))) <= 3e9);
+            world.step();
+            CHECK(std::isfinite(glm::length(world.pose(grain).position)));
+            CHECK(std::isfinite(glm::length(world.angular_velocity(grain))));
+        }
+    }
+}
+
+TEST_CASE("bullet: a mountain that spins, and a block that spins a million times a second, stay at a place") {
+    for (const EngineKind engine : both)
+        for (const float half : {0.5f, 100.0f}) {
+            CAPTURE(name(engine));
+            CAPTURE(half);
+            World world(on(engine, empty_space));
+            BodyDesc desc = box({half, 0.5f * half, 0.3f * half}, 8e3f * half * half * half, {});
+            desc.angular_velocity = half > 1.0f ? glm::vec3(3.0f, 4.0f, 5.0f) : glm::vec3(1e7f, -2e7f, 1e7f);
+            const BodyId body = must_add(world, desc);
+            run(world, 0.1f);
+            CHECK(std::isfinite(glm::length(world.angular_velocity(body))));
+            const glm::quat q = world.pose(body).orientation;
+            CHECK(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z == doctest::Approx(1.0f).epsilon(1e-5));
+        }
+}
+
+TEST_CASE("bullet: a ball at three times the speed of light inside a pile leaves all bodies at a place") {
+    for (const EngineKind engine : both) {
+        CAPTURE(name(engine));
+        World world(on(engine));
+        add_pile(world);
+        BodyDesc ball = box(glm::vec3(5.0f), 8e6f, {0.0f, 1.3f, 0.0f});
+        ball.linear_velocity = {9e8f, -1e8f, 3e8f};
+        must_add(world, ball);
+        for (int step = 0; step < 24; ++step) {
+            world.step();
+            bool finite = true;
+            for (const BodyId body : world.bodies())
+                finite = finite && std::isfinite(glm::length(world.pose(body).position))
+                         && std::isfinite(glm::length(world.linear_velocity(body)));
+            REQUIRE(finite);
+        }
+    }
+}
+
 TEST_CASE("bullet: the same calls give the same state, in a new world and in a cleared one") {
     const auto play = [](World& world) {
         world.clear(on(EngineKind::bullet));
