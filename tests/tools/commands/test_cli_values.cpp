@@ -47,6 +47,12 @@ TEST_CASE("NaN, infinity and text are refused for every number, with limits as p
             INFO(outcome.output);
             CHECK(outcome.exit_code == 2);
         }
+    for (const char* beyond : {"--shot 1e39,0,0,0,0,0,0.1", "--shot 0,0,0,0,-1e39,0,0.1", "--anchor 0,1e39,0,1"}) {
+        const Outcome outcome = run_brittle(folder, "render shape:cube -o " + (folder / "a.png") + " " + beyond);
+        INFO(outcome.output);
+        CHECK(outcome.exit_code == 2);
+        CHECK(outcome.has("1e+39, which is larger than 1,000,000,000"));
+    }
     CHECK(folder.files() == 0);
     const auto message = [&](const std::string& arguments) {
         return run_brittle(folder, "fracture shape:cube -o " + (folder / "a.glb") + " " + arguments).output;

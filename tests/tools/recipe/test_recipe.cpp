@@ -532,6 +532,17 @@ TEST_CASE("recipe: a brick has length, height and thickness, and an axis that it
     says(with(R"({"length": 0.25})"), "/world/brick/length: unknown key; the keys are: size, along");
 }
 
+TEST_CASE("recipe: places and velocities beyond the range of the physics are refused by their names") {
+    const auto with = [](const std::string& world) { return R"({"brittle": 1, "world": {)" + world + "}}"; };
+    const std::string range = ": expected a number from -1000000000.0 to 1000000000.0, found ";
+    says(with(R"("shots": [{"from": [0, 1e39, 0]}])"), "/world/shots/0/from/1" + range + "1e+39");
+    says(with(R"("shots": [{"velocity": [-1e300, 0, 0]}])"), "/world/shots/0/velocity/0" + range + "-1e+300");
+    says(with(R"("anchors": [{"at": [0, 0, 2e9]}])"), "/world/anchors/0/at/2" + range + "2000000000.0");
+    for (const std::string field : {"at", "to", "axis"})
+        says(with(R"("joints": [{")" + field + R"(": [1e200, 0, 0]}])"), "/world/joints/0/" + field + "/0" + range);
+    CHECK(message_of(with(R"("shots": [{"from": [1e9, -1e9, 0]}])")).empty());
+}
+
 TEST_CASE("recipe: messages contain no control characters and do not quote a whole file") {
     const std::string escape = R"(\u001b[31m)";
     for (const std::string& text :

@@ -57,6 +57,8 @@ TEST_CASE("scene recipe: bad values are named by object and path") {
     check_says(R"({"mesh": "shape:cube", "size": 2})", "/objects/0/size");
     check_says(R"({"mesh": "shape:cube"}, {"name": "b", "mesh": "shape:cube", "rotation": [0, 1]})",
                "/objects/1/rotation");
+    check_says(R"({"mesh": "shape:cube", "translation": [0, 1e39, 0]})", "/objects/0/translation/1: expected a number");
+    check_says(R"({"mesh": "shape:cube", "shear": [1e39, 0, 0]})", "/objects/0/shear/0: expected a number");
     check_says(R"({"mesh": "shape:cube", "scale": 0})", "/objects/0/scale");
     check_says(R"({"mesh": "shape:cube", "scale": [1, 0, 1]})", "none of which is 0");
     check_says(R"({"mesh": "shape:cube", "material": "cheese"})", "/objects/0/material: there is no material");

@@ -308,6 +308,8 @@ TEST_CASE("replay: damaged logs are refused with line and field") {
         {3, R"("radius":0.1)", R"("radius":99)", "run.log:4: /shoot: radius is 99"},
         {3, R"("radius":0.1)", R"("radios":0.1)", "run.log:4: /shoot/radius: is missing"},
         {3, R"("from":[0.0,)", R"("from":[)", "run.log:4: /shoot/from: expected three numbers"},
+        {3, R"("from":[0.0,)", R"("from":[-1e39,)",
+         "run.log:4: /shoot: from/0 is -1e+39; it must be from -1e+09 to 1e+09"},
         {3, R"("shoot")", R"("let_go":{},"shoot")", "run.log:4: /let_go: a line may hold only one action"},
         {3, "}}", R"(},"and":1})", "run.log:4: /and: unknown key"},
         {4, R"({"step":2)", R"({"stop":2)", "run.log:5: expected a line with step, after or end"},

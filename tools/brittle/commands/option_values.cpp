@@ -10,6 +10,8 @@
 #include <sstream>
 #include <vector>
 
+#include "physics/world/magnitude.h"
+
 namespace brittle::tools {
 
 namespace {
@@ -36,6 +38,15 @@ CLI::Validator number_validator(const std::string& wanted, const std::string& ra
         return "'" + text + "' is not " + wanted;
     };
     return CLI::Validator(check, range);
+}
+
+// The physics is in single precision.
+void check_magnitude(const char* option, const std::string& text, const glm::dvec3& v) {
+    constexpr auto largest = static_cast<double>(physics::max_magnitude);
+    for (int axis = 0; axis < 3; ++axis)
+        if (!(std::abs(v[axis]) <= largest))
+            throw CLI::ValidationError(option, "'" + text + "' has the number " + written(v[axis])
+                                                   + ", which is larger than " + written(largest));
 }
 
 } // namespace
@@ -79,6 +90,7 @@ Anchor parse_anchor(const std::string& text) {
     const Ball ball = parse_ball("--anchor", text);
     if (ball.radius < 0.001 || ball.radius > 10.0)
         throw CLI::ValidationError("--anchor", "'" + text + "' has a radius that is not in [0.001, 10]");
+    check_magnitude("--anchor", text, ball.centre);
     return {ball.centre, ball.radius};
 }
 
@@ -99,6 +111,8 @@ Shot parse_shot(const std::string& text) {
                     .from = {numbers[0], numbers[1], numbers[2]},
                     .velocity = {numbers[3], numbers[4], numbers[5]},
                     .radius = numbers[6]};
+    check_magnitude("--shot", text, shot.from);
+    check_magnitude("--shot", text, shot.velocity);
     if (shot.radius < 0.001 || shot.radius > 10.0)
         throw CLI::ValidationError("--shot", "'" + text + "' has a radius that is not in [0.001, 10]");
     if (shot.time < 0.0 || shot.time > 1e4)

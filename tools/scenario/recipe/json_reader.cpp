@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "fracture/io/text_cursor.h"
+#include "physics/world/magnitude.h"
 
 namespace brittle::tools {
 
@@ -119,6 +120,16 @@ void JsonReader::text(const std::string& key, std::string& target) {
 
 void JsonReader::vector(const std::string& key, glm::dvec3& target) {
     if (const Json* value = find(key)) target = vector_of(key, *value);
+}
+
+void JsonReader::world_vector(const std::string& key, glm::dvec3& target) {
+    constexpr auto largest = static_cast<double>(physics::max_magnitude);
+    const Json* value = find(key);
+    if (!value) return;
+    target = vector_of(key, *value);
+    for (int axis = 0; axis < 3; ++axis)
+        static_cast<void>(
+            number_of(key + "/" + std::to_string(axis), (*value)[static_cast<size_t>(axis)], -largest, largest));
 }
 
 glm::dvec3 JsonReader::vector_of(const std::string& key, const Json& value) const {

@@ -52,6 +52,8 @@ class JsonReader {
     void flag(const std::string& key, bool& target);
     void text(const std::string& key, std::string& target);
     void vector(const std::string& key, glm::dvec3& target);
+    // Of the physics: places, velocities. Refuses numbers above physics::max_magnitude.
+    void world_vector(const std::string& key, glm::dvec3& target);
     [[nodiscard]] glm::dvec3 vector_of(const std::string& key, const nlohmann::ordered_json& value) const;
 
     [[nodiscard]] double number_of(const std::string& key, const nlohmann::ordered_json& value, double low,

@@ -384,9 +384,9 @@ void read_fracture(const std::filesystem::path& file, const std::string& path, J
 }
 
 void read_placement(JsonReader& reader, ObjectPlacement& placement) {
-    reader.vector("translation", placement.translation);
+    reader.world_vector("translation", placement.translation);
     reader.vector("rotation", placement.rotation);
-    reader.vector("shear", placement.shear);
+    reader.world_vector("shear", placement.shear);
     glm::dvec3& scale = placement.scale;
     const Json* value = reader.find("scale");
     if (!value) return;

@@ -151,7 +151,7 @@ void read_anchors(const std::filesystem::path& file, const std::string& path, Js
     for (size_t k = 0; k < list->size(); ++k) {
         JsonReader inner(file, (*list)[k], path + "/anchors/" + std::to_string(k));
         Anchor anchor;
-        inner.vector("at", anchor.at);
+        inner.world_vector("at", anchor.at);
         inner.number("radius", anchor.radius, 0.001, 10.0);
         inner.refuse_unknown_keys();
         anchors.push_back(anchor);
@@ -196,10 +196,10 @@ void read_joint(JsonReader& reader, JointOptions& joint) {
     constexpr double longest = 1000.0; // m
     joint.kind = joint_kind(reader);
     if (reader.find("shot")) reader.whole("shot", joint.shot.emplace(), 0, 100'000);
-    reader.vector("at", joint.at);
+    reader.world_vector("at", joint.at);
     reader.flag("to_piece", joint.to_piece);
-    reader.vector("to", joint.to);
-    reader.vector("axis", joint.axis);
+    reader.world_vector("to", joint.to);
+    reader.world_vector("axis", joint.axis);
     reader.number("min_length", joint.min_length, 0.0, longest);
     if (reader.find("max_length")) reader.number("max_length", joint.max_length.emplace(), 0.001, longest);
     reader.number("max_force", joint.max_force, 0.0, 1e12);
@@ -263,8 +263,8 @@ void read_world(const std::filesystem::path& file, const std::string& path, Json
         JsonReader inner(file, (*shots)[k], path + "/shots/" + std::to_string(k));
         Shot shot;
         inner.number("time", shot.time, 0.0, 1e4);
-        inner.vector("from", shot.from);
-        inner.vector("velocity", shot.velocity);
+        inner.world_vector("from", shot.from);
+        inner.world_vector("velocity", shot.velocity);
         inner.number("radius", shot.radius, 0.001, 10.0);
         inner.number("density", shot.density, 1.0, 1e5);
         inner.refuse_unknown_keys();

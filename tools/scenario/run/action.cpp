@@ -1,15 +1,14 @@
 #include "tools/scenario/run/action.h"
 
-#include <cmath>
 #include <cstdio>
+
+#include "physics/world/magnitude.h"
 
 namespace brittle::tools {
 
 namespace {
 
-bool finite(const glm::dvec3& v) {
-    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
+constexpr auto largest = static_cast<double>(physics::max_magnitude);
 
 // Collects the first fault of an action's fields.
 struct Check {
@@ -17,7 +16,8 @@ struct Check {
     std::string fault;
 
     void vector(const char* name, const glm::dvec3& v) {
-        if (fault.empty() && !finite(v)) fault = std::string(name) + " must be three finite numbers";
+        for (int axis = 0; axis < 3; ++axis)
+            number((std::string(name) + "/" + std::to_string(axis)).c_str(), v[axis], -largest, largest);
     }
     void number(const char* name, double value, double low, double high) {
         if (!fault.empty() || (value >= low && value <= high)) return;
