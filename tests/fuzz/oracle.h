@@ -27,24 +27,26 @@ inline void require(bool holds, const char* what) {
     std::abort();
 }
 
-// Checks that an error has a message without terminal control characters.
-inline void check_message(const std::string& message) {
+// Checks that an error has a message without terminal control characters. A command's may have several lines.
+inline void check_message(const std::string& message, bool of_lines = false) {
     require(!message.empty(), "an error without a message");
     require(message.size() <= max_message_length, "an endless message");
-    for (const char c : message) require(static_cast<unsigned char>(c) >= 0x20, "a control character in a message");
+    for (const char c : message)
+        require(static_cast<unsigned char>(c) >= 0x20 || (of_lines && c == '\n'), "a control character in a message");
 }
 
 class TimeGuard {
   public:
-    TimeGuard() = default;
+    explicit TimeGuard(double seconds = max_seconds) : seconds_(seconds) {}
     TimeGuard(const TimeGuard&) = delete;
     TimeGuard& operator=(const TimeGuard&) = delete;
     ~TimeGuard() {
         const double seconds = static_cast<double>(std::clock() - begin_) / CLOCKS_PER_SEC;
-        require(seconds < max_seconds, "reading takes too long");
+        require(seconds < seconds_, "it takes too long");
     }
 
   private:
+    double seconds_;
     std::clock_t begin_ = std::clock();
 };
 
