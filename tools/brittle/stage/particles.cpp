@@ -15,8 +15,8 @@ namespace {
 using fracture::Random;
 
 // All chosen by eye, for objects of some decimetres to some metres.
-constexpr float splinters_a_square_metre = 400.0f, most_splinters = 24.0f; // of one crack
-constexpr float puffs_a_square_metre = 110.0f, most_puffs = 6.0f;
+constexpr float splinters_a_square_metre = 400.0f, max_splinters_of_crack = 24.0f;
+constexpr float puffs_a_square_metre = 110.0f, max_puffs_of_crack = 6.0f;
 constexpr float splinter_life = 5.0f, puff_life = 2.4f; // s, the longest
 constexpr float shrinking = 0.8f;                       // s, the end of a splinter's life in which it shrinks
 constexpr float gravity = 9.81f;                        // m/s^2
@@ -71,7 +71,7 @@ void Particles::burst(const Crack& crack, const ParticleLook& look, uint64_t see
     const auto in_crack = [&](const glm::vec3& p, float across) {
         return p - (1.0f - across) * glm::dot(p, crack.normal) * crack.normal;
     };
-    const float splinters = std::min(splinters_a_square_metre * area, most_splinters) * look.splinters;
+    const float splinters = std::min(splinters_a_square_metre * area, max_splinters_of_crack) * look.splinters;
     for (size_t k = some(random, splinters, splinters_.size(), max_splinters); k > 0; --k) {
         FlyingSplinter& one = splinters_.emplace_back();
         const glm::vec3 from = in_ball(random);
@@ -87,7 +87,7 @@ void Particles::burst(const Crack& crack, const ParticleLook& look, uint64_t see
         one.rotation = turned({1.0f, 0.0f, 0.0f, 0.0f}, glm::pi<float>() * in_ball(random));
         one.colour = look.splinter_colour * between(random, 0.75f, 1.1f);
     }
-    const float puffs = std::min(puffs_a_square_metre * area, most_puffs) * look.dust;
+    const float puffs = std::min(puffs_a_square_metre * area, max_puffs_of_crack) * look.dust;
     for (size_t k = some(random, puffs, puffs_.size(), max_puffs); k > 0; --k) {
         FlyingPuff& one = puffs_.emplace_back();
         const glm::vec3 from = in_ball(random);
