@@ -43,6 +43,11 @@ void check_says(const std::string& object, const std::string& words) {
 
 } // namespace
 
+TEST_CASE("scene recipe: names bring no control characters into messages") {
+    const std::string message = Failure(exit_input, "a\x1b[31m.obj\tb\x7f\nc").at("\x1b").what();
+    CHECK(message == "\\x1b: a\\x1b[31m.obj\\x09b\\x7f\nc");
+}
+
 TEST_CASE("scene recipe: bad values are named by object and path") {
     CHECK(message_of(R"({"brittle": 2})").find("/objects: expected 1 to 10000 objects") != std::string::npos);
     CHECK(message_of(R"({"brittle": 2, "objects": []})").find("/objects") != std::string::npos);

@@ -32,7 +32,24 @@ ExitCode exit_code(fracture::Status status) {
     return exit_failure;
 }
 
+// A terminal obeys control characters.
+std::string without_control(const std::string& message) {
+    constexpr const char* digits = "0123456789abcdef";
+    std::string text;
+    for (const char c : message) {
+        const auto byte = static_cast<unsigned char>(c);
+        if ((byte >= 0x20 && byte != 0x7f) || c == '\n')
+            text += c;
+        else
+            text.append("\\x").append(1, digits[byte >> 4]).append(1, digits[byte & 15]);
+    }
+    return text;
+}
+
 } // namespace
+
+Failure::Failure(ExitCode code, const std::string& message)
+    : std::runtime_error(without_control(message)), code_(code) {}
 
 Failure::Failure(const fracture::Error& error) : Failure(exit_code(error.status), error.message) {
     status_ = error.status;

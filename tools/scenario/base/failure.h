@@ -32,7 +32,8 @@ enum ExitCode {
 
 class Failure : public std::runtime_error {
   public:
-    Failure(ExitCode code, const std::string& message) : std::runtime_error(message), code_(code) {}
+    // Control characters of the message, which names from files may bring, are written as \x1b; lines stay.
+    Failure(ExitCode code, const std::string& message);
     explicit Failure(const fracture::Error& error);
 
     [[nodiscard]] ExitCode code() const { return code_; }
