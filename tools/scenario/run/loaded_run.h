@@ -41,8 +41,8 @@ struct LoadedRun {
     std::vector<PreparedObject> objects_{};
 };
 
-// Loads a recipe, and breaks the mesh of one that is no scene. `with_looks` is that of load_input() and load_scene(), `progress` that of
-// break_input(). Throws a Failure.
+// Loads a recipe, and breaks the mesh of one that is no scene. `with_looks` is that of load_input() and load_scene(),
+// `progress` that of break_input(). Throws a Failure.
 [[nodiscard]] LoadedRun load_run(const FractureOptions& recipe, const Host& host = {}, bool with_looks = false,
                                  const std::function<void(double)>& progress = {});
 

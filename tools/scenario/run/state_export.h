@@ -69,7 +69,8 @@ std::vector<std::filesystem::path> write_state(const ExportSettings& settings, P
 [[nodiscard]] std::vector<Snapshot> object_snapshots(const Simulation& simulation);
 
 // Writes the pieces of a scene to a GLB file (fracture::ObjectExport): each object by its name and material, and with the
-// materials of its file where the scene was loaded with looks; fixed ones without hulls. Returns the number of pieces. Throws a Failure.
+// materials of its file where the scene was loaded with looks; fixed ones without hulls. Returns the number of pieces.
+// Throws a Failure.
 size_t write_scene_state(const ExportSettings& settings, PiecesAs as, const LoadedScene& scene,
                          const Simulation& simulation);
 
