@@ -33,10 +33,10 @@ void main() {
     }
     passed /= float(sample_count);
     if (passed <= 0.0) discard;
-    // Billows: noise on the side of the ball that faces the eye.
+    // Billows: noise on the side of the ball that faces the eye. Between them the haze is thinner, without holes.
     uvec3 hash = hashes(ivec3(pattern, pattern >> 16, 0));
     float billows = noise(2.2 * (aside - half_chord * ray) + 97.0 * vec3(unit(hash.x), unit(hash.y), unit(hash.z)));
-    float opacity = dust.a * passed * passed * smoothstep(0.15, 0.75, billows);
+    float opacity = dust.a * passed * passed * mix(0.4, 1.0, smoothstep(0.2, 0.8, billows));
     // Dust scatters light to all sides, most of it forward.
     float lit = sun_visibility(middle * ray, vec3(0.0));
     float towards_sun = max(dot(ray, frame.to_light.xyz), 0.0);
