@@ -136,9 +136,9 @@ size_t GlbMaterials::image_of(size_t image) {
     size_t& at = source_.image_at[image];
     if (at != unknown) return at;
     const Image& own = (*source_.images)[image];
-    const auto known = source_.is_first
-                           ? images_.end()
-                           : std::ranges::find_if(images_, [&](const Image* other) { return is_equal(*other, own); });
+    const auto known = source_.is_first ? images_.end()
+                                        : std::find_if(images_.begin(), images_.end(),
+                                                       [&](const Image* other) { return is_equal(*other, own); });
     at = static_cast<size_t>(known - images_.begin());
     if (known == images_.end()) images_.push_back(&own);
     return at;
