@@ -133,13 +133,12 @@ TEST_CASE("bullet: bodies that are about to meet can be removed one after the ot
         WorldSettings settings = on(EngineKind::bullet, empty_space);
         World world(settings);
         const BodyId wall = must_add(world, fixed_box({0.05f, 2.0f, 2.0f}, {}));
-        BodyDesc ball = box(glm::vec3(0.1f), 1000.0f, {-0.6f, 0.0f, 0.0f});
-        ball.linear_velocity = {40.0f, 0.0f, 0.0f}; // in the step after the next, beyond the wall
+        BodyDesc ball = box(glm::vec3(0.1f), 1000.0f, {-0.4f, 0.0f, 0.0f});
+        ball.linear_velocity = {40.0f, 0.0f, 0.0f}; // 0.33 m a step: through the wall within the first
         const BodyId first = must_add(world, ball);
         ball.pose.position.y = 1.0f;
         const BodyId second = must_add(world, ball);
         world.step();
-        CHECK(world.linear_velocity(first).x > 0.0f);
         for (const BodyId id : {first, wall, second}) {
             CHECK(world.remove_body(id));
             static_cast<void>(world.contacts());
