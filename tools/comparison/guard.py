@@ -2,7 +2,8 @@
 
 Both are built by the same compiler with the same flags, below build/compare/guard, and their probes (guard/probe.cpp)
 run each case in turns, in several fresh processes each, since the place of a process in memory changes its speed. A
-phase is slower where its median and its minimum both grew by the threshold, and did so again in further processes.
+case with a phase whose minimum grew by the threshold is measured again, in further processes. The phase is slower where
+its minimum grew by the threshold there too, and so did the median of the ratios of all turns.
 """
 import argparse
 import os
@@ -112,7 +113,7 @@ class Probe:
 
 
 def measure(programs, cases, seconds):
-    """Samples of (case, phase), one list for each program. A case gets an equal share of the time."""
+    """Samples of (case, phase), one list for each program, by turn. A case gets an equal share of the time."""
     samples = {}
     for pair in range(PROCESSES):
         probes = [Probe(program) for program in programs]
@@ -131,13 +132,28 @@ def measure(programs, cases, seconds):
 
 
 def ratios(before, now):
-    """Of medians, and of minima."""
-    return median(now) / max(median(before), 1e-9), min(now) / max(min(before), 1e-9)
+    """The median of the ratios of turns, in which a change of the machine's speed meets both; and that of minima."""
+    return median(b / max(a, 1e-9) for a, b in zip(before, now)), min(now) / max(min(before), 1e-9)
 
 
-def slower(samples, threshold):
-    return [key for key, (before, now) in samples.items()
-            if before and now and median(before) >= MIN_MILLISECONDS and min(ratios(before, now)) > threshold]
+def long_enough(before, now):
+    return bool(before) and bool(now) and median(before) >= MIN_MILLISECONDS
+
+
+def suspects(samples, threshold):
+    return [key for key, pair in samples.items() if long_enough(*pair) and ratios(*pair)[1] > threshold]
+
+
+def joined(samples, again):
+    return {key: tuple(first + second for first, second in zip(pair, again.get(key, ([], []))))
+            for key, pair in samples.items()}
+
+
+def confirmed(suspected, samples, again, threshold):
+    """Noise that lasts hides a slower median, but not a slower minimum; chance does not make a minimum slower twice."""
+    together = joined(samples, again)
+    return [key for key in suspected if key in again and ratios(*again[key])[1] > threshold
+            and ratios(*together[key])[0] > threshold]
 
 
 def main(words):
@@ -163,22 +179,20 @@ def main(words):
         cases = options.guard_case
     busy, own, begin = machine.busy_seconds(), sum(os.times()[:4]), time.monotonic()
     samples = measure(programs, cases, seconds)
-    found = slower(samples, options.guard_threshold)
-    again = {}
-    if found:  # chance decides some of many phases: look at these once more
-        again = measure(programs, sorted({case for case, _ in found}), seconds / 2)
-        found = [key for key in found if key in slower(again, options.guard_threshold)]
+    suspected = suspects(samples, options.guard_threshold)
+    again = measure(programs, sorted({case for case, _ in suspected}), seconds) if suspected else {}
+    found = confirmed(suspected, samples, again, options.guard_threshold)
     used = sum(os.times()[:4]) - own
     others = max(0.0, machine.busy_seconds() - busy - used) / ((time.monotonic() - begin) * (os.cpu_count() or 1))
     print(f"{'case':9} {'phase':12} {'before ms':>10} {'now ms':>10} {'median':>8} {'minimum':>8}")
-    for key, (before, now) in sorted(samples.items(),
+    for key, (before, now) in sorted(joined(samples, again).items(),
                                      key=lambda item: (cases.index(item[0][0]), item[0][1] != "total", item[0][1])):
-        if not before or not now or median(before) < MIN_MILLISECONDS:
+        if not long_enough(before, now):
             continue
         of_median, of_minimum = ratios(before, now)
         faster = max(of_median, of_minimum) < 1 / options.guard_threshold
         note = "SLOWER" if key in found else "faster" if faster else ""
-        if key in again and not note and min(of_median, of_minimum) > options.guard_threshold:
+        if key in suspected and not note:
             note = "not confirmed"
         print(f"{key[0]:9} {key[1]:12} {median(before):10.3f} {median(now):10.3f} {of_median:8.3f} "
               f"{of_minimum:8.3f} {note}")
