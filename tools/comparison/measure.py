@@ -27,7 +27,11 @@ def check(session, case, binaries):
                               capture_output=True, text=True, timeout=GATE_SECONDS)
         if done.returncode != 0:
             return {"reason": "the pieces cannot be read: " + done.stderr.strip()}
-        return json.loads(done.stdout)
+        found = json.loads(done.stdout)
+        if found["pieces"] != session.pieces:
+            found["reason"] = ", ".join(filter(None, [f"answers {session.pieces} pieces and writes {found['pieces']}",
+                                                      found["reason"]]))
+        return found
     except subprocess.TimeoutExpired:
         return {"reason": f"the gate did not end within {GATE_SECONDS} s"}
     except Failed as failed:

@@ -65,6 +65,9 @@ def known(binaries, manifold=None):
                                        ADAPTERS / "blender.py", "--"], threads=(CORES,), source="Debian",
              packages=("blender",), version="3.4.1+dfsg-2+b1",
              needs=Path(shutil.which("blender") or "/usr/bin/blender")),
+        Peer("VTK", ["/usr/bin/python3", ADAPTERS / "vtk_clip.py"], given_cells=True, source="Debian",
+             packages=("python3-vtk9",), version="9.1.0+really9.1.0+dfsg2-5+deb12u1",
+             needs=Path("/usr/lib/python3/dist-packages/vtk.py")),
         Peer("OpenVDB fracturer", **compiled("openvdb", "-lopenvdb", "-ltbb", given_cells=True, threads=(CORES,),
                                              source="Debian",
                                              packages=("libopenvdb-dev",), version="10.0.1-2")),
@@ -89,17 +92,21 @@ def of_command(text, known_options=("cells", "given", "threads"), cores=CORES):
     if not found or not name.strip() or not command.strip():
         raise SystemExit(f"tools/compare: --adapter wants NAME=COMMAND, not '{text}'")
     name, _, options = name.strip().partition("[")
-    options = {word for word in options.rstrip("]").split(",") if word}
+    options = {word.strip() for word in options.rstrip("]").split(",") if word.strip()}
     if unknown := sorted(options - set(known_options)):
         raise SystemExit(f"tools/compare: --adapter {name} has the options {', '.join(known_options)}, not "
                          + ", ".join(unknown))
     return Peer(name, shlex.split(command), task="cells" if "cells" in options else "pieces",
                 given_cells="given" in options,
-                threads=tuple(sorted({1, cores})) if "threads" in options else (1,), source="--adapter")
+                threads=tuple(sorted({1, cores})) if "threads" in options else (1,), folder=Path.cwd(),
+                source="--adapter")
 
 
 def choose(all_peers, names, command="tools/compare"):
     """Those that can run, of the ones whose name begins with one of `names`, or of all."""
+    taken = [peer.name for peer in all_peers]
+    if twice := next((name for name in taken if taken.count(name) > 1), None):
+        raise SystemExit(f"{command}: two peers have the name {twice}; give --adapter another one")
     if names:
         all_peers = [peer for peer in all_peers if any(peer.name.lower().startswith(name.lower()) for name in names)]
         if not all_peers:

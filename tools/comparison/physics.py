@@ -180,7 +180,7 @@ def table(rows):
     for row in rows:
         times = " | ".join(report.time_cell(row, key) for key in ("p50_ms", "p95_ms", "max_ms"))
         lines.append(f"| {row['peer']} | {row['threads']} | {times} | {row.get('runs', '')} | "
-                     f"{row.get('memory_mb') or 0:.0f} | {row.get('result', '')} | {report.verdict(row)} |")
+                     f"{row.get('memory_mb') or 0:.0f} | {row.get('result', '')} | {report.page_verdict(row)} |")
     return "\n".join(lines)
 
 

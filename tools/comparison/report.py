@@ -91,9 +91,11 @@ def time_cell(row, key="p50_ms"):
 
 
 def verdict(row):
-    if row["failure"]:
-        return html.escape(row["failure"])
-    return "sound" if is_sound(row) else html.escape(row["reason"])
+    return row["failure"] or row["reason"] or "sound"
+
+
+def page_verdict(row):
+    return html.escape(verdict(row), quote=False)
 
 
 def threads_text(row):
@@ -111,7 +113,7 @@ def case_table(rows):
                      + " | ".join(time_cell(row, key) for key in ("p50_ms", "p99_ms", "max_ms", "cold_ms"))
                      + f" | {row.get('warm_runs', '')} | {row.get('memory_mb') or 0:.0f} | {row.get('pieces', '')} | "
                      + (f"{row['worst_cell']:.0e} | {100 * row['equal_caps']:.0f} %" if checked else " | ")
-                     + f" | {verdict(row)} |")
+                     + f" | {page_verdict(row)} |")
     return "\n".join(lines)
 
 
@@ -141,7 +143,7 @@ def losses(rows):
         for row in here:
             if row["peer"].startswith("Brittle"):
                 if not is_sound(row):
-                    lines.append(f"- {case}: {row['peer']} with {threads_text(row)}: {verdict(row)}.")
+                    lines.append(f"- {case}: {row['peer']} with {threads_text(row)}: {page_verdict(row)}.")
                 continue
             mine = own.get(row["threads"])
             if mine and is_sound(row) and mine.get("p50_ms") and row["p50_ms"] < mine["p50_ms"]:

@@ -92,7 +92,7 @@ class Session:
         self.memory = max(self.memory, machine.memory_of(self.process.pid))
 
     def write(self, name):
-        self.ask(f"write {name}", "written", 120)
+        self.ask(f"write {name}", "written", self.limit)
 
     def kill(self):
         if self.process is not None:

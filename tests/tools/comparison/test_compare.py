@@ -17,6 +17,7 @@ FAULTS = {
     "islands": "1 hold several islands",
     "crossing": "1 cross themselves",
     "truncated": "the pieces cannot be read",
+    "miscounting": "answers 9 pieces and writes 8",
     "hanging": "no end within 2 s",
     "crashing": "ended by signal 6",
     "refusing": "a cube is too plain",
@@ -51,6 +52,10 @@ def main():
             wrong.append(f"{row['peer']} says '{found}' instead of '{expected}'")
         if found not in page.replace("&#x27;", "'"):
             wrong.append(f"the page lacks '{found}'")
+    if "babbling" not in done.stdout or "&" in done.stdout or "answers 'done soon'" not in done.stdout:
+        wrong.append("the lines printed are those of the page")
+    if {row["triangles"] for row in rows} != {"12"}:
+        wrong.append("the triangles of the mesh are not 12")
     own = [row for row in rows if row["peer"] == "Brittle" and int(row["pieces"]) == 8
            and float(row["worst_cell"]) < 1e-15]
     if not own or len([row for row in rows if row["peer"].startswith("octants")]) != len(FAULTS):
@@ -59,7 +64,9 @@ def main():
         wrong.append("samples or page are incomplete")
     for words, part in ((("--case", "cube/nothing"), "there is no case 'cube/nothing'"),
                         (("--peer", "x"), "no peer begins with x"),
-                        (("--adapter", "x"), "wants NAME=COMMAND"), (("--adapter", "x[fast]=y"), "has the options")):
+                        (("--adapter", "x"), "wants NAME=COMMAND"),
+                        (("--adapter", "Brittle=y"), "two peers have the name Brittle"),
+                        (("--adapter", "x[fast]=y"), "has the options")):
         done = compare(*words)
         if done.returncode != 1 or part not in done.stderr:
             wrong.append(f"{words} gives {done.returncode} and '{done.stderr.strip()}'")

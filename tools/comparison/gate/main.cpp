@@ -37,7 +37,7 @@ std::vector<double> read_volumes(const std::string& name) {
 }
 
 void print(const Verdict& v) {
-    std::cout << std::setprecision(6) << "{\"pieces\": " << v.pieces << ", \"triangles\": " << v.triangles
+    std::cout << std::setprecision(6) << "{\"pieces\": " << v.pieces << ", \"piece_triangles\": " << v.triangles
               << ", \"open\": " << v.open << ", \"open_exactly\": " << v.open_exactly
               << ", \"crossing\": " << v.crossing << ", \"joined_islands\": " << v.joined_islands
               << ", \"negative\": " << v.negative << ", \"wrong_cells\": " << v.wrong_cells
