@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -42,13 +43,26 @@ class PieceCrossings {
     std::vector<uint8_t> is_cut_; // per triangle: 1 on a cut that is not within a group
     std::vector<uint8_t> band_;   // per vertex: 1 on the border of a cut, 2 and 3 in the rings of the outside around it
     std::vector<uint32_t> facet_; // per vertex: the cut that it is on
-    std::vector<Boxed> boxed_;    // the triangles of the band, sorted along the longest axis
+    std::vector<Boxed> boxed_;    // the triangles of the band
+    std::vector<std::pair<double, uint32_t>> order_; // of these along the longest axis
     [[nodiscard]] static bool meet_in_corner(uint32_t v, const Triangle& own, const Triangle& other,
                                              std::span<const glm::dvec3> positions);
 
+    // The box of a triangle that the sweep along the longest axis may still meet; from 0 to 1, rounded outwards.
+    struct alignas(32) Open {
+        float begin, end;      // along the longest axis
+        float low[2], high[2]; // along the others
+        uint32_t index;        // into boxed_
+    };
+    [[nodiscard]] Open open(uint32_t index) const;
+
     int longest_ = 0;
+    glm::dvec3 low_{0.0};                      // of all boxes, m
+    double scale_ = 0.0;                       // to a size of 1, 1/m
     double rounding_ = 0.0;                    // of a product with an axis, for each unit of the axis, m
     std::vector<uint32_t> slab_begin_, slabs_; // the triangles that reach into slabs across the second longest axis
+    std::vector<Open> cuts_, outside_;
+    std::vector<uint32_t> near_; // of those that are open, the ones whose boxes meet that of one triangle
 };
 
 // Fills is_cut_.
@@ -107,9 +121,11 @@ void PieceCrossings::collect(const Piece& piece, std::span<const glm::dvec3> pos
     rounding_ = max_rounding * glm::length(glm::max(glm::abs(low), glm::abs(high)));
     const int longest = size.x >= size.y && size.x >= size.z ? 0 : (size.y >= size.z ? 1 : 2);
     const int second = size[(longest + 1) % 3] >= size[(longest + 2) % 3] ? (longest + 1) % 3 : (longest + 2) % 3;
-    std::sort(boxed_.begin(), boxed_.end(), [longest](const Boxed& a, const Boxed& b) {
-        return a.low[longest] != b.low[longest] ? a.low[longest] < b.low[longest] : a.triangle < b.triangle;
-    });
+    low_ = low;
+    scale_ = size[longest] > 0.0 ? 1.0 / size[longest] : 0.0;
+    order_.clear();
+    for (uint32_t k = 0; k < boxed_.size(); ++k) order_.push_back({boxed_[k].low[longest], k});
+    std::sort(order_.begin(), order_.end()); // boxes are in the order of triangles
     const double mean = sum[second] / static_cast<double>(std::max<size_t>(boxed_.size(), 1));
     const double width = std::max(2.0 * mean, size[second] / max_slabs);
     const auto slab_of = [&](double x) {
@@ -117,7 +133,7 @@ void PieceCrossings::collect(const Piece& piece, std::span<const glm::dvec3> pos
     };
     slab_begin_.assign(slab_of(high[second]) + 3, 0);
     for (int pass = 0; pass < 2; ++pass) {
-        for (uint32_t k = 0; k < boxed_.size(); ++k) {
+        for (const auto& [begin, k] : order_) {
             Boxed& b = boxed_[k];
             b.first_slab = slab_of(b.low[second]);
             b.doubt = rounding_ * glm::length(b.normal);
@@ -133,6 +149,15 @@ void PieceCrossings::collect(const Piece& piece, std::span<const glm::dvec3> pos
         slabs_.resize(slab_begin_.back());
     }
     longest_ = longest;
+}
+
+PieceCrossings::Open PieceCrossings::open(uint32_t index) const {
+    const Boxed& b = boxed_[index];
+    constexpr float rounding = 0x1p-22f; // more than that of a number up to 1
+    const auto down = [&](int axis) { return static_cast<float>((b.low[axis] - low_[axis]) * scale_) - rounding; };
+    const auto up = [&](int axis) { return static_cast<float>((b.high[axis] - low_[axis]) * scale_) + rounding; };
+    const int first = (longest_ + 1) % 3, second = (longest_ + 2) % 3;
+    return {down(longest_), up(longest_), {down(first), down(second)}, {up(first), up(second)}, index};
 }
 
 // Returns whether a triangle surely lies on one side of a plane, apart from corners that it shares with the triangle
@@ -241,26 +266,30 @@ void PieceCrossings::run(const Fragments& pieces, uint32_t index, std::span<cons
         if (!a_outside) crossing.push_back(a.triangle);
         if (!b_outside) crossing.push_back(b.triangle);
     };
-    std::vector<uint32_t> cuts, outside; // the triangles that the sweep may still meet
     for (uint32_t slab = 0; slab + 1 < slab_begin_.size(); ++slab) {
-        cuts.clear();
-        outside.clear();
+        cuts_.clear();
+        outside_.clear();
         for (uint32_t i = slab_begin_[slab]; i < slab_begin_[slab + 1]; ++i) {
             const Boxed& b = boxed_[slabs_[i]];
             const bool b_outside = b.triangle < piece.exterior_triangles;
-            const auto meet = [&](std::vector<uint32_t>& open) {
-                size_t kept = 0;
-                for (const uint32_t k : open) {
-                    const Boxed& a = boxed_[k];
-                    if (a.high[longest_] < b.low[longest_]) continue;
-                    open[kept++] = k;
-                    test(slab, a, b);
+            const Open opened = open(slabs_[i]);
+            const auto meet = [&](std::vector<Open>& all) {
+                near_.resize(all.size());
+                size_t kept = 0, near = 0;
+                for (const Open& a : all) { // without branches, which would be mispredicted
+                    const bool stays = a.end >= opened.begin;
+                    near_[near] = a.index;
+                    near += static_cast<size_t>(stays & (a.low[0] <= opened.high[0]) & (opened.low[0] <= a.high[0])
+                                                & (a.low[1] <= opened.high[1]) & (opened.low[1] <= a.high[1]));
+                    all[kept] = a;
+                    kept += static_cast<size_t>(stays);
                 }
-                open.resize(kept);
+                all.resize(kept);
+                for (const uint32_t k : std::span(near_).first(near)) test(slab, boxed_[k], b);
             };
-            meet(cuts);
-            if (!b_outside) meet(outside); // two triangles of the outside never cross by a cut
-            (b_outside ? outside : cuts).push_back(slabs_[i]);
+            meet(cuts_);
+            if (!b_outside) meet(outside_); // two triangles of the outside never cross by a cut
+            (b_outside ? outside_ : cuts_).push_back(opened);
         }
     }
     std::sort(crossing.begin(), crossing.end());
@@ -275,18 +304,49 @@ void PieceCrossings::run(const Fragments& pieces, uint32_t index, std::span<cons
 
 } // namespace
 
-std::vector<Crossing> find_crossings(const Fragments& pieces, std::span<const uint32_t> groups, Threads& threads) {
+bool CrossingFinder::is_known(const Fragments& pieces, const Piece& piece) const {
+    const auto equal = [](const auto& a, const auto& b) {
+        return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size_bytes()) == 0;
+    };
+    const auto sources = [](const Fragments& of, const Piece& p) {
+        return std::span(of.triangle_source).subspan(p.triangles.begin, p.triangles.size());
+    };
+    const auto [begin, end] = std::equal_range(last_.pieces.begin(), last_.pieces.end(), piece,
+                                               [](const Piece& a, const Piece& b) { return a.site < b.site; });
+    return std::any_of(begin, end, [&](const Piece& other) {
+        return piece.exterior_triangles == other.exterior_triangles
+               && equal(pieces.positions_of(piece), last_.positions_of(other))
+               && equal(pieces.triangles_of(piece), last_.triangles_of(other))
+               && equal(sources(pieces, piece), sources(last_, other));
+    });
+}
+
+void CrossingFinder::remember(const Fragments& pieces, std::span<const Crossing> crossings) {
+    last_.positions = pieces.positions;
+    last_.triangles = pieces.triangles;
+    last_.triangle_source = pieces.triangle_source;
+    std::vector<uint8_t> crosses(pieces.pieces.size(), 0);
+    for (const Crossing& crossing : crossings) crosses[crossing.piece] = 1;
+    last_.pieces.clear();
+    for (size_t p = 0; p < crosses.size(); ++p)
+        if (crosses[p] == 0) last_.pieces.push_back(pieces.pieces[p]);
+    std::stable_sort(last_.pieces.begin(), last_.pieces.end(),
+                     [](const Piece& a, const Piece& b) { return a.site < b.site; });
+}
+
+std::vector<Crossing> CrossingFinder::run(const Fragments& pieces, std::span<const uint32_t> groups, Threads& threads) {
     const auto count = static_cast<uint32_t>(pieces.pieces.size());
     std::vector<std::vector<Crossing>> found(threads.chunks(count, 1));
     threads.for_chunks(count, 1, [&](uint32_t chunk, uint32_t begin, uint32_t end) {
         PieceCrossings finder;
         for (uint32_t p = begin; p < end; ++p) {
             threads.poll(p);
-            finder.run(pieces, p, groups, found[chunk]);
+            if (!is_known(pieces, pieces.pieces[p])) finder.run(pieces, p, groups, found[chunk]);
         }
     });
     std::vector<Crossing> all;
     for (const std::vector<Crossing>& part : found) all.insert(all.end(), part.begin(), part.end());
+    if (!all.empty()) remember(pieces, all); // the solid will be cut again
     return all;
 }
 

@@ -22,9 +22,21 @@ struct Crossing {
     double radius;     // of a ball around it that contains the triangle, m
 };
 
-// Returns the triangles of cuts that cross another one of their piece, in the order of the pieces.
-// `groups` is one group a site, or empty: cuts within a group are left out.
-[[nodiscard]] std::vector<Crossing> find_crossings(const Fragments& pieces, std::span<const uint32_t> groups,
-                                                   Threads& threads);
+// Looks for them in one fracture after the other. Most pieces of a solid that is cut again with a warp that is calmed in
+// a few places come out as before, to the bit; those are not looked at again.
+class CrossingFinder {
+  public:
+    // Returns the triangles of cuts that cross another one of their piece, in the order of the pieces. `groups` is one
+    // group a site, or empty: cuts within a group are left out. It is the same in all runs until forget().
+    [[nodiscard]] std::vector<Crossing> run(const Fragments& pieces, std::span<const uint32_t> groups,
+                                            Threads& threads);
+    void forget() { last_ = {}; }
+
+  private:
+    [[nodiscard]] bool is_known(const Fragments& pieces, const Piece& piece) const;
+    void remember(const Fragments& pieces, std::span<const Crossing> crossings);
+
+    Fragments last_; // the pieces of the last run without crossings, in the order of their sites
+};
 
 } // namespace brittle::fracture::rough

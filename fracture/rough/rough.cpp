@@ -11,7 +11,6 @@
 #include "fracture/base/rounded_math.h"
 #include "fracture/mesh/mass_properties.h"
 #include "fracture/pieces/merge.h"
-#include "fracture/rough/crossings.h"
 
 namespace brittle::fracture::rough {
 
@@ -172,6 +171,7 @@ void RoughCut::begin(const Settings& settings) {
     threads_.log_to(settings.work_log);
     threads_.cancel_by(settings.cancelled);
     calm_balls_.clear();
+    crossing_finder_.forget();
     rounds_ = 0;
     far_ = {};
 }
@@ -272,7 +272,7 @@ void RoughCut::join(const TriangleMesh& mesh, Fragments& pieces) {
 
 bool RoughCut::calm(const Settings& settings, Fragments& pieces) {
     Stopwatch watch;
-    const std::vector<Crossing> crossings = find_crossings(pieces, groups_of(settings), threads_);
+    const std::vector<Crossing> crossings = crossing_finder_.run(pieces, groups_of(settings), threads_);
     watch.lap("check", pieces);
     pieces.crossings = static_cast<uint32_t>(crossings.size());
     if (crossings.empty() || rounds_++ == max_rounds) return false;

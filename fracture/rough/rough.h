@@ -21,6 +21,7 @@
 
 #include "fracture/exact/bonds.h"
 #include "fracture/exact/exact.h"
+#include "fracture/rough/crossings.h"
 #include "fracture/rough/refine.h"
 #include "fracture/rough/restore.h"
 #include "fracture/rough/warp.h"
@@ -88,6 +89,7 @@ class RoughCut {
     double wavelength_ = 0.0;
     double spacing_ = 0.0; // of the points on the cuts and their borders, m; 0 for none
     std::vector<CalmBall> calm_balls_;
+    CrossingFinder crossing_finder_;
     uint32_t rounds_ = 0; // of calm()
     std::span<const uint8_t> far_;
     Warp warp_;

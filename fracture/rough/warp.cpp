@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
+#include "fracture/base/box.h"
 #include "fracture/base/random.h"
 #include "fracture/base/simd.h"
 
@@ -123,13 +125,32 @@ double height_at(const glm::dvec3& p, std::span<const CalmBall> calm, double fad
     return least <= 0.0 ? 0.0 : least * least * (3.0 - 2.0 * least);
 }
 
+// Finds the balls that may lower the noise at a point of a box.
+void find_beside(const Box& box, std::span<const CalmBall> calm, double fade, std::vector<CalmBall>& beside) {
+    beside.clear();
+    for (const CalmBall& ball : calm) {
+        const glm::dvec3 d = ball.centre - glm::clamp(ball.centre, box.min, box.max);
+        const double reach = ball.radius + fade;
+        if (!(glm::dot(d, d) > reach * reach)) beside.push_back(ball);
+    }
+}
+
 } // namespace
 
 // A friend, because a function with several versions (simd.h) cannot be a member.
 BRITTLE_SIMD void warp_points(const Warp& warp, std::span<glm::dvec3> points, bool inverse) {
     const Gradient* const table = gradients().all.data();
     const std::span<const Warp::Step> steps(warp.steps_);
-    const std::span<const CalmBall> calm(warp.calm_);
+    // A point moves by at most reach_, to where the noise is looked up.
+    const double margin = 1.001 * warp.reach_;
+    const auto around = [&](const Box& box) { return Box{box.min - margin, box.max + margin}; };
+    std::vector<CalmBall> beside; // any of the points
+    if (!warp.calm_.empty() && !points.empty()) {
+        Box box{points.front(), points.front()};
+        for (const glm::dvec3& p : points) box = {glm::min(box.min, p), glm::max(box.max, p)};
+        find_beside(around(box), warp.calm_, warp.fade_, beside);
+    }
+    std::vector<CalmBall> calm; // that are beside one point
     const auto displacement = [&](const Warp::Step& step, const glm::dvec3& p) __attribute__((always_inline)) {
         const double height = calm.empty() ? 1.0 : height_at(p, calm, warp.fade_);
         const glm::dmat3& a = step.to_lattice;
@@ -140,6 +161,7 @@ BRITTLE_SIMD void warp_points(const Warp& warp, std::span<glm::dvec3> points, bo
         return (b[0] * n[0] + b[1] * n[1] + b[2] * n[2]) * height;
     };
     for (glm::dvec3& p : points) {
+        if (!beside.empty()) find_beside(around({p, p}), beside, warp.fade_, calm);
         if (!inverse) {
             for (const Warp::Step& step : steps) p += displacement(step, p);
             continue;

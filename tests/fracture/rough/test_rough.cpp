@@ -17,6 +17,7 @@
 #include "fracture/mesh/intersections.h"
 #include "fracture/pieces/certificate.h"
 #include "fracture/pieces/merge.h"
+#include "fracture/rough/crossings.h"
 #include "fracture/shapes/shapes.h"
 #include "fracture/sites/sites.h"
 
@@ -176,7 +177,7 @@ TEST_CASE("rough cuts: roughness 0 gives today's pieces, and threads and workspa
     const auto sites = uniform_sites(bounds(mesh), 30, 6);
     const uint64_t flat = hash(rough_pieces(mesh, sites, {}));
     Settings settings;
-    settings.rough = {.amount = 0.0, .wavelength = 0.1, .detail = 3};
+    settings.rough = {.amount = 0.0, .wavelength = 0.3, .detail = 2};
     CHECK(hash(rough_pieces(mesh, sites, settings)) == flat);
 
     settings.rough.amount = 0.7;
@@ -346,6 +347,49 @@ TEST_CASE("rough cuts: crossings that calming leaves are counted") {
         with_crossings += pieces.crossings > 0 ? 1 : 0;
     }
     CHECK(with_crossings > 0);
+}
+
+TEST_CASE("rough cuts: crossings are found again, and also in pieces that had none, once these change") {
+    const TriangleMesh box = cuboid({2.0, 2.0, 2.0});
+    Settings settings;
+    settings.rough = {.amount = 0.3, .wavelength = 0.6};
+    Fragments pieces = rough_pieces(box, std::vector<glm::dvec3>{{-0.5, 0.0, 0.0}, {0.5, 0.0, 0.0}}, settings);
+    REQUIRE(pieces.pieces.size() == 2);
+    // Moves a point of the cut that is next to its border far out of the box. Both sides of the cut have it.
+    const auto pull = [&](uint32_t p) {
+        const Piece& piece = pieces.pieces[p];
+        std::vector<bool> outside(piece.vertices.size());
+        for (uint32_t k = 0; k < piece.exterior_triangles; ++k)
+            for (int m = 0; m < 3; ++m) outside[pieces.triangles_of(piece)[k][m]] = true;
+        for (const Triangle& t : pieces.triangles_of(piece).subspan(piece.exterior_triangles)) {
+            if (!outside[t.x] && !outside[t.y] && !outside[t.z]) continue;
+            for (int m = 0; m < 3; ++m) {
+                if (outside[t[m]]) continue;
+                pieces.positions[piece.vertices.begin + t[m]].x *= 20.0;
+                pieces.positions[piece.vertices.begin + t[m]].x += p == 0 ? -5.0 : 5.0;
+                return;
+            }
+        }
+    };
+    Threads threads(1);
+    const auto crossing_pieces = [&](rough::CrossingFinder& finder) {
+        std::vector<uint32_t> found;
+        for (const rough::Crossing& crossing : finder.run(pieces, {}, threads)) found.push_back(crossing.piece);
+        return found;
+    };
+    rough::CrossingFinder finder, fresh;
+    CHECK(crossing_pieces(finder).empty());
+    pull(0);
+    const std::vector<uint32_t> first = crossing_pieces(finder);
+    CHECK(!first.empty());
+    CHECK(std::count(first.begin(), first.end(), 0u) == static_cast<int64_t>(first.size()));
+    CHECK(crossing_pieces(finder) == first);
+    pull(1);
+    const std::vector<uint32_t> both = crossing_pieces(finder);
+    CHECK(std::count(both.begin(), both.end(), 1u) > 0);
+    CHECK(both == crossing_pieces(fresh));
+    finder.forget();
+    CHECK(both == crossing_pieces(finder));
 }
 
 TEST_CASE("rough cuts: the triangle budget and the detail bound what is added") {

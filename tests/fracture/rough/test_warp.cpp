@@ -122,4 +122,17 @@ TEST_CASE("warp: equal seeds give equal bits, other seeds another warp, and many
         equal += images[k] == c.apply(points[k]) ? 1 : 0;
     }
     CHECK(equal == 0);
+    // Balls beside some of the points only.
+    const Warp calmed(roughness, 0.3, std::vector<CalmBall>{{points[0], 0.1}, {points[1], 0.05}, {points[2], 0.3}});
+    images = back = points;
+    calmed.apply(images);
+    calmed.inverse(back);
+    int alike = 0;
+    for (size_t k = 0; k < points.size(); ++k) {
+        CHECK(images[k] == calmed.apply(points[k]));
+        CHECK(back[k] == calmed.inverse(points[k]));
+        alike += images[k] == a.apply(points[k]) ? 1 : 0;
+    }
+    CHECK(alike > 0);
+    CHECK(alike < 100);
 }
