@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include <LinearMath/btAabbUtil2.h>
 #include <btBulletDynamicsCommon.h>
 #include <glm/geometric.hpp>
 
@@ -22,6 +23,7 @@ constexpr float units = 10.0f; // Bullet's lengths per metre
 constexpr int iterations = 20; // of its contact solver
 // The largest moment of inertia, and moment times turn in a step, whose cube fits in single precision: kg dm^2.
 constexpr double max_gyroscopic = 1e12;
+constexpr btScalar ray_room = 0.1f;                // decimetres; a ray is cast from so far before a body's bounds
 constexpr float max_speed = 1e5f, max_spin = 1e5f; // m/s, rad/s, at the beginning of a step
 
 // Quantities without a factor of length: axes, angular velocities.
@@ -43,6 +45,38 @@ glm::vec3 metres_from_bullet(const btVector3& v) {
 }
 glm::quat to_glm(const btQuaternion& q) {
     return {q.w(), q.x(), q.y(), q.z()};
+}
+
+// The first hull of one body or several that a ray of Bullet's enters.
+struct FirstHull final : btCollisionWorld::ClosestRayResultCallback {
+    uint32_t part = 0;
+
+    using ClosestRayResultCallback::ClosestRayResultCallback;
+    btScalar addSingleResult(btCollisionWorld::LocalRayResult& result, bool in_world) override {
+        part = result.m_localShapeInfo ? static_cast<uint32_t>(result.m_localShapeInfo->m_triangleIndex) : 0;
+        return ClosestRayResultCallback::addSingleResult(result, in_world);
+    }
+    [[nodiscard]] btVector3 point() const {
+        return m_rayFromWorld + m_closestHitFraction * (m_rayToWorld - m_rayFromWorld);
+    }
+};
+
+// Bullet's cast of a point against a hull sometimes ends a centimetre early. A cast from the place that it found ends
+// there if the place is right, and nearer to the hull if it is not.
+std::optional<FirstHull> first_hull(btRigidBody& body, const btVector3& from, const btVector3& to) {
+    constexpr int casts = 2;
+    const btQuaternion unturned = btQuaternion::getIdentity();
+    const btVector3 along = to - from;
+    btScalar begin = 0.0f;
+    std::optional<FirstHull> found;
+    for (int cast = 0; cast < casts; ++cast) {
+        found.emplace(from + begin * along, to);
+        btCollisionWorld::rayTestSingle(btTransform(unturned, found->m_rayFromWorld), btTransform(unturned, to), &body,
+                                        body.getCollisionShape(), body.getWorldTransform(), *found);
+        if (!found->hasHit()) return std::nullopt;
+        begin = std::max(0.0f, begin + found->m_closestHitFraction * (1.0f - begin) - ray_room / along.length());
+    }
+    return found;
 }
 
 // Bullet's globals: counters of bodies, allocations and profiles.
@@ -163,6 +197,7 @@ class BulletEngine final : public Engine {
     [[nodiscard]] std::span<const Contact> contacts() override;
     [[nodiscard]] std::span<const Contact> solved_contacts() override;
     [[nodiscard]] std::vector<CastHit> cast(size_t, size_t, float) const override { return {}; }
+    void cast_rays(std::span<const Ray> rays, std::span<std::optional<RayHit>> hits) const override;
     void amend_contact(size_t index, const Contact& contact) override { contacts_[index] = contact; }
     [[nodiscard]] size_t contact_count() const override;
 
@@ -516,6 +551,46 @@ void BulletEngine::move_on(size_t index, float seconds) {
     body.rigid->predictIntegratedTransform(seconds, ahead);
     body.rigid->setCenterOfMassTransform(ahead);
     body.solved = body.velocity();
+}
+
+// Bullet's own rayTest() knows bodies by their bounds before the last step. Each body is given the part of the ray near
+// it: on long rays Bullet loses digits.
+void BulletEngine::cast_rays(std::span<const Ray> rays, std::span<std::optional<RayHit>> hits) const {
+    const std::lock_guard lock(bullet_mutex());
+    const btVector3 room(ray_room, ray_room, ray_room);
+    std::vector<std::pair<btVector3, btVector3>> boxes(bodies_.size());
+    for (size_t k = 0; k < bodies_.size(); ++k) {
+        bodies_[k]->rigid->getAabb(boxes[k].first, boxes[k].second);
+        boxes[k].first -= room;
+        boxes[k].second += room;
+    }
+    for (size_t i = 0; i < rays.size(); ++i) {
+        if (!can_be_cast(rays[i])) continue;
+        const btVector3 from = metres_to_bullet(rays[i].from), along = metres_to_bullet(rays[i].to) - from;
+        btVector3 least = from, most = from;
+        least.setMin(from + along);
+        most.setMax(from + along);
+        btScalar first = 1.0f;
+        for (size_t k = 0; k < bodies_.size(); ++k) {
+            btScalar enters = 1.0f, leaves = 1.0f; // shares of the ray; the second from its end
+            btVector3 normal;
+            const auto& [low, high] = boxes[k];
+            if (!TestAabbAgainstAabb2(least, most, low, high)) continue;
+            if (!btRayAabb(from, from + along, low, high, enters, normal) || enters >= first) continue;
+            if (!btRayAabb(from + along, from, low, high, leaves, normal)) continue;
+            const std::optional<FirstHull> hull =
+                first_hull(*bodies_[k]->rigid, from + enters * along, from + (1.0f - leaves) * along);
+            if (!hull) continue;
+            const btScalar share = (hull->point() - from).dot(along) / along.length2();
+            if (share >= first) continue;
+            first = share;
+            hits[i] = RayHit{.body = bodies_[k]->id,
+                             .part = hull->part,
+                             .share = share,
+                             .point = rays[i].from + share * (rays[i].to - rays[i].from),
+                             .normal = to_glm(hull->m_hitNormalWorld)};
+        }
+    }
 }
 
 const BulletBody* BulletEngine::body_of(const btCollisionObject* object) const {

@@ -9,6 +9,7 @@
 //   until it slows. Bullet's swept spheres stop fast bodies at fixed ones. Sleeping depends on speed and time alone.
 // - WorldSettings::separation_speed is not read. Overlaps of less than 4 mm are closed by velocity, at up to 0.1 m/s.
 // - World::cast() finds nothing: a body that breaks a Structure passes what it has not touched yet without a blow.
+// - World::cast_ray() meets hulls with round edges, and may be wrong by a centimetre.
 // - Joints are solved row by row: a chain stretches under a heavy load. A joint breaks after the step in which it gave
 //   more than its greatest force.
 // - A step begins with at most 100,000 m/s and 100,000 rad/s of each body; bodies that are very heavy or spin very fast

@@ -1,4 +1,5 @@
-// A static bounding volume hierarchy: finds the boxes that overlap a given box. Queries are thread-safe.
+// A static bounding volume hierarchy: finds the boxes that overlap a given box, or that another test accepts. Queries
+// are thread-safe.
 #pragma once
 
 #include <array>
@@ -26,12 +27,19 @@ class BoxTree {
     // Calls visit(index) for each box that overlaps the given one, in a fixed but unspecified order.
     template<class Visit>
     void for_each_overlap(const Bounds& box, const Visit& visit) const {
+        for_each_where([&](const Bounds& own) { return own.overlaps(box); }, visit);
+    }
+
+    // Calls visit(index) for each box that the test accepts, in the same order. The test must accept each box that
+    // contains a box that it accepts. It may accept fewer boxes after a visit.
+    template<class Test, class Visit>
+    void for_each_where(const Test& accepts, const Visit& visit) const {
         std::array<uint32_t, 64> stack; // exceeds the depth of any tree of halves
         size_t depth = 0;
         if (!nodes_.empty()) stack[depth++] = 0;
         while (depth > 0) {
             const Node& node = nodes_[stack[--depth]];
-            if (!node.box.overlaps(box)) continue;
+            if (!accepts(node.box)) continue;
             if (node.leaf()) {
                 visit(node.first);
             } else {

@@ -57,13 +57,18 @@ HullShape::HullShape(std::vector<glm::vec3> points, float margin, HullFaces face
     float square = 0.0f;
     for (const glm::vec3& point : points_) square = std::max(square, length_squared(point));
     std::vector<glm::vec3> normals;
+    normals.reserve(faces_.count());
+    heights_.reserve((faces_.count() + 3) / 4 * 4);
     for (size_t face = 0; face < faces_.count(); ++face) {
         const glm::vec3 area = area_of(points_, faces_.of(face));
-        const float length = glm::length(area);
-        normals.push_back(length > 0.0f ? area * (1.0f / length) : glm::vec3(0.0f));
-        volume_ += glm::dot(area, points_[faces_.of(face)[0]]) / 6.0f;
+        const float length = glm::length(area), inverse = length > 0.0f ? 1.0f / length : 0.0f;
+        const float wedge = glm::dot(area, points_[faces_.of(face)[0]]);
+        normals.push_back(length > 0.0f ? area * inverse : glm::vec3(0.0f));
+        heights_.push_back(wedge * inverse);
+        volume_ += wedge / 6.0f;
     }
     if (!normals.empty()) normals_ = in_lanes(normals);
+    while (heights_.size() % 4 != 0) heights_.push_back(heights_.back());
     radius_ = std::sqrt(square) + margin_;
     const Bounds box = bounds({});
     const glm::vec3 size = box.high - box.low;
@@ -104,6 +109,16 @@ int HullShape::face_along(const glm::vec3& direction) const {
 glm::vec3 HullShape::normal_of(int face) const {
     const float* const group = &normals_[static_cast<size_t>(face) / 4 * group_size + static_cast<size_t>(face) % 4];
     return {group[0], group[4], group[8]};
+}
+
+bool HullShape::is_beyond(const glm::vec3& from, const glm::vec3& to, float by) const {
+    const Float4 beyond = Float4::all(by);
+    for (size_t first = 0; first < heights_.size(); first += 4) {
+        const float* const group = normals_.data() + 3 * first;
+        if (less(Float4::load(heights_.data() + first) + beyond, min(along(group, from), along(group, to))) != 0)
+            return true;
+    }
+    return false;
 }
 
 float rotation_radius(const Bounds& bounds) {

@@ -49,7 +49,12 @@ class HullShape {
     // The face whose outward normal has the largest dot product with a direction; the lowest of several, and -1 for a
     // hull without faces.
     [[nodiscard]] int face_along(const glm::vec3& direction) const;
+    [[nodiscard]] int face_count() const { return static_cast<int>(faces_.count()); }
     [[nodiscard]] glm::vec3 normal_of(int face) const;
+    // The dot product of the face's first corner with its normal.
+    [[nodiscard]] float height_of(int face) const { return heights_[static_cast<size_t>(face)]; }
+    // Whether the straight way between two points lies beyond the plane of one face, moved outwards by a distance.
+    [[nodiscard]] bool is_beyond(const glm::vec3& from, const glm::vec3& to, float by) const;
     // Indices of points, counter-clockwise seen from outside.
     [[nodiscard]] std::span<const uint16_t> corners_of(int face) const { return faces_.of(static_cast<size_t>(face)); }
     // The place of the face's first corner among the corners of all faces.
@@ -70,6 +75,7 @@ class HullShape {
     std::vector<float> lanes_; // groups()
     HullFaces faces_;
     std::vector<float> normals_; // of the faces, as groups()
+    std::vector<float> heights_; // of the faces; copies of the last one fill up the last four
     float margin_ = 0.0f, radius_ = 0.0f, longest_ = 0.0f, rotation_radius_ = 0.0f, volume_ = 0.0f;
 };
 

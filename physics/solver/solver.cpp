@@ -163,6 +163,7 @@ void Solver::remove(size_t index) {
         if (!manifolds.empty()) wake(*other);
     }
     broadphase_.remove(*body.proxy);
+    std::erase(moved_on_, &body);
     if (body.awake()) --awake_.of(body.debris);
     contacts_.forget_sleeping();
     bodies_.erase(bodies_.begin() + static_cast<std::ptrdiff_t>(index));
@@ -209,6 +210,7 @@ void Solver::wake(Body& body) {
 }
 
 void Solver::step() {
+    moved_on_.clear();
     stepped_.clear();
     for (const auto& body : bodies_)
         if (body->awake()) stepped_.push_back(body.get());
@@ -401,6 +403,17 @@ void Solver::move_on(size_t index, float seconds) {
     Body& body = *bodies_[index];
     body.motion = body.velocity;
     move(body, seconds);
+    moved_on_.push_back(&body);
+}
+
+void Solver::cast_rays(std::span<const Ray> rays, std::span<std::optional<RayHit>> hits) const {
+    std::vector<const Body*> strays(moved_on_.begin(), moved_on_.end());
+    for (const auto& joint : joints_.all()) // Joints::correct() moves them
+        for (const Body* body : {joint->a, joint->b})
+            if (body) strays.push_back(body);
+    std::ranges::sort(strays, {}, [](const Body* body) { return body->index; });
+    strays.erase(std::unique(strays.begin(), strays.end()), strays.end());
+    physics::cast_rays(broadphase_, strays, rays, hits);
 }
 
 // 1/m + n . (I^-1 (r x n)) x r

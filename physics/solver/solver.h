@@ -29,6 +29,7 @@
 #include "physics/solver/continuous_collision.h"
 #include "physics/solver/islands.h"
 #include "physics/solver/joints.h"
+#include "physics/solver/ray_cast.h"
 #include "physics/solver/siblings.h"
 #include "physics/solver/sleeping.h"
 #include "physics/solver/sweep_broadphase.h"
@@ -70,6 +71,7 @@ class Solver final : public Engine {
     [[nodiscard]] std::vector<CastHit> cast(size_t body, size_t target, float seconds) const override {
         return cast_body(*bodies_[body], *bodies_[target], seconds);
     }
+    void cast_rays(std::span<const Ray> rays, std::span<std::optional<RayHit>> hits) const override;
 
     void add_joint(JointId id, const Joint& joint, const JointBodies& bodies) override;
     void remove_joint(JointId id) override;
@@ -115,7 +117,8 @@ class Solver final : public Engine {
     ContactSolver contacts_{settings_, broadphase_};
     ContinuousCollision continuous_collision_{bodies_, broadphase_, threads_};
     Sleeping sleeping_{settings_, bodies_, islands_, threads_};
-    std::vector<Body*> stepped_; // bodies that were awake at any time of the step
+    std::vector<Body*> moved_on_; // since the step, by move_on(): they may have left their bounds
+    std::vector<Body*> stepped_;  // bodies that were awake at any time of the step
 };
 
 // Precondition: the settings are valid.

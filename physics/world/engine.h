@@ -6,10 +6,12 @@
 // coordinates, SI units. Not thread-safe; engines of different Worlds may run at the same time.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -74,6 +76,9 @@ class Engine {
     virtual float rewind(size_t body) = 0;
     virtual void move_on(size_t body, float seconds) = 0;
     [[nodiscard]] virtual std::vector<CastHit> cast(size_t body, size_t target, float seconds) const = 0;
+    // As World::cast_rays(), without the ground. Both spans are equally long; the hits are empty at the call. Rays that
+    // can_be_cast() refuses meet nothing.
+    virtual void cast_rays(std::span<const Ray> rays, std::span<std::optional<RayHit>> hits) const = 0;
 
     // The bodies of a joint, by index; `none` for the world.
     struct JointBodies {
@@ -101,6 +106,12 @@ class Engine {
 // Makes the engine that WorldSettings::engine names. Precondition: the settings are valid. physics/engines.cpp defines
 // it, so that World depends on neither engine.
 [[nodiscard]] std::unique_ptr<Engine> make_engine(const WorldSettings& settings);
+
+// Whether a ray is finite and has a length.
+[[nodiscard]] inline bool can_be_cast(const Ray& ray) {
+    const glm::vec3 along = ray.to - ray.from;
+    return std::isfinite(along.x) && std::isfinite(along.y) && std::isfinite(along.z) && along != glm::vec3(0.0f);
+}
 
 // m; contact points with a larger gap do not count as touching (World::contact_count(), debug lines).
 inline constexpr float touching_distance = 1e-3f;

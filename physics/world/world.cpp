@@ -382,6 +382,31 @@ std::vector<CastHit> World::cast(BodyId id, BodyId target, float seconds) const 
     return impl_->engine->cast(impl_->index_of(id), impl_->index_of(target), seconds);
 }
 
+std::optional<RayHit> World::cast_ray(const Ray& ray) const {
+    std::optional<RayHit> hit;
+    cast_rays({&ray, 1}, {&hit, 1});
+    return hit;
+}
+
+void World::cast_rays(std::span<const Ray> rays, std::span<std::optional<RayHit>> hits) const {
+    assert(rays.size() == hits.size());
+    std::fill(hits.begin(), hits.end(), std::nullopt);
+    impl_->engine->cast_rays(rays, hits);
+    if (!impl_->settings.ground_height) return;
+    const auto ground = static_cast<double>(*impl_->settings.ground_height);
+    for (size_t i = 0; i < rays.size(); ++i) {
+        const glm::dvec3 from(rays[i].from), along = glm::dvec3(rays[i].to) - from;
+        if (!can_be_cast(rays[i]) || !(from.y > ground) || !(from.y + along.y <= ground)) continue;
+        const double share = (from.y - ground) / -along.y;
+        if (hits[i] && static_cast<double>(hits[i]->share) <= share) continue;
+        const glm::dvec3 point = from + share * along;
+        hits[i] =
+            RayHit{.share = static_cast<float>(share),
+                   .point = {static_cast<float>(point.x), static_cast<float>(ground), static_cast<float>(point.z)},
+                   .normal = {0.0f, 1.0f, 0.0f}};
+    }
+}
+
 float World::response(BodyId id, glm::vec3 point, glm::vec3 direction) const {
     const size_t body = impl_->index_of(id);
     return impl_->engine->fixed(body) ? 0.0f : impl_->engine->response(body, point, direction);

@@ -189,6 +189,20 @@ struct CastHit {
     glm::vec3 direction{0.0f}; // unit, of the cast body's motion against the target
 };
 
+// The straight way from one point to another.
+struct Ray {
+    glm::vec3 from{0.0f}, to{0.0f}; // m
+};
+
+// Where a ray first enters a body or the ground (World::cast_ray()).
+struct RayHit {
+    BodyId body{};          // the default for the ground
+    uint32_t part = 0;      // index into BodyDesc::parts; 0 for one hull
+    float share = 0.0f;     // of the way, 0 to 1
+    glm::vec3 point{0.0f};  // m
+    glm::vec3 normal{0.0f}; // unit, of the surface, against the ray
+};
+
 // Sums over one or all bodies, in double so that differences between steps are meaningful.
 struct Mechanics {
     double kinetic = 0.0;             // J, of translation and rotation
@@ -320,6 +334,18 @@ class World {
     // Returns the hulls of `target` that a body of one hull would meet within `seconds`, each as if the others were not
     // there, if both went on at their velocities. In order of time, then of part. Empty for a body of several hulls.
     [[nodiscard]] std::vector<CastHit> cast(BodyId id, BodyId target, float seconds) const;
+
+    // Returns where a ray first enters a hull or the ground; nothing where it meets none, and for a ray without length or
+    // with a coordinate that is not finite. The hulls are where pose() has their bodies, with their margins; all bodies
+    // count: fixed, sleeping and debris. A hull that contains the start, or has it on its surface, is not met, nor is the
+    // ground from below. Of hulls that are entered at the same point, the first in body order counts, then the lowest
+    // part. Changes nothing.
+    // The margin moves each face outwards and leaves edges sharp; a ray may pass the tip of a very sharp corner, beyond
+    // the margin from the points. On Bullet, edges are round, and the point is exact to a centimetre.
+    [[nodiscard]] std::optional<RayHit> cast_ray(const Ray& ray) const;
+    // As cast_ray() for each ray, with as many hits. Rays that are near each other share the search for bodies: one call
+    // for many rays is several times as fast as a call for each.
+    void cast_rays(std::span<const Ray> rays, std::span<std::optional<RayHit>> hits) const;
 
     // The speed, m/s, that an impulse of 1 N s along a unit direction gives the body's point along it: the inverse of
     // the effective mass there. 0 for a fixed body.
