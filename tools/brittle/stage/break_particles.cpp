@@ -72,9 +72,25 @@ ParticleLook BreakParticles::look_of(uint32_t object) const {
 }
 
 void BreakParticles::advance(const Simulation& simulation) {
-    for (; steps_ < simulation.steps(); ++steps_) particles_.step(simulation.world().settings().step);
+    const physics::World& world = simulation.world();
+    const Obstacles obstacles = [&](std::span<const Way> ways, std::span<std::optional<Obstacle>> met) {
+        find_obstacles(world, ways, met);
+    };
+    for (; steps_ < simulation.steps(); ++steps_) particles_.step(world.settings().step, obstacles);
     if (amount_ == 0.0f) return;
     for (const Structure* structure : simulation.structures()) watch(simulation, *structure, bonds_[structure]);
+}
+
+// Particles know the ground themselves.
+void BreakParticles::find_obstacles(const physics::World& world, std::span<const Way> ways,
+                                    std::span<std::optional<Obstacle>> met) {
+    rays_.clear();
+    for (const Way& way : ways) rays_.push_back({way.from, way.to});
+    hits_.resize(rays_.size());
+    world.cast_rays(rays_, hits_);
+    for (size_t k = 0; k < ways.size(); ++k)
+        if (hits_[k] && hits_[k]->body != BodyId{})
+            met[k] = Obstacle{hits_[k]->point, hits_[k]->normal, velocity_at(world, hits_[k]->body, hits_[k]->point)};
 }
 
 void BreakParticles::watch(const Simulation& simulation, const Structure& structure, Bonds& bonds) {

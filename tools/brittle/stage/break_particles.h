@@ -1,5 +1,5 @@
 // Finds what broke in a run, and throws off particles there: along the new faces of pieces that were cut, and where
-// bonds broke.
+// bonds broke. The particles meet the bodies of the run where these are at the end of the frame.
 //
 //     BreakParticles particles;
 //     particles.start(simulation);                           // a run begins
@@ -11,6 +11,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -18,6 +19,7 @@
 #include "physics/bonds/structure.h"
 #include "physics/cutting/destruction.h"
 #include "physics/material.h"
+#include "physics/world/world.h"
 #include "tools/brittle/stage/particles.h"
 #include "tools/brittle/stage/piece_drawing.h"
 #include "tools/scenario/run/simulation.h"
@@ -49,12 +51,15 @@ class BreakParticles {
     };
     void watch(const Simulation& simulation, const physics::Structure& structure, Bonds& bonds);
     [[nodiscard]] ParticleLook look_of(uint32_t object) const;
+    void find_obstacles(const physics::World& world, std::span<const Way> ways, std::span<std::optional<Obstacle>> met);
 
     Particles particles_;
     std::map<const physics::Structure*, Bonds> bonds_;
     std::vector<ParticleLook> looks_;
     float amount_ = 0.0f;
-    uint64_t steps_ = 0; // of the simulation
+    uint64_t steps_ = 0;             // of the simulation
+    std::vector<physics::Ray> rays_; // scratch of find_obstacles(), with the next line
+    std::vector<std::optional<physics::RayHit>> hits_;
 };
 
 } // namespace brittle::tools

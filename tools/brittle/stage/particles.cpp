@@ -20,8 +20,14 @@ constexpr float puffs_a_square_metre = 110.0f, max_puffs_of_crack = 6.0f;
 constexpr float splinter_life = 5.0f, puff_life = 2.4f; // s, the longest
 constexpr float shrinking = 0.8f;                       // s, the end of a splinter's life in which it shrinks
 constexpr float gravity = 9.81f;                        // m/s^2
-constexpr float bounce = 0.3f, friction = 0.6f;         // of a splinter on the ground
-constexpr float rest_speed = 0.25f;                     // m/s; a slower splinter on the ground comes to rest
+constexpr float restitution = 0.3f, friction = 0.6f;    // of a splinter on a surface
+constexpr float rest_speed = 0.25f;                     // m/s; a slower splinter on a surface comes to rest,
+constexpr float max_support_speed = 0.05f;              // m/s, unless the surface is faster than this
+constexpr float min_rest_normal = 0.7f;                 // or steeper: the least upward part of its normal
+constexpr float support_slack = 0.002f;                 // m; a support that sinks by more between two looks is gone
+constexpr float free_seconds = 0.1f;                    // s, of a new particle in which it meets no obstacle
+constexpr float look_beyond = 0.01f;                    // m, beyond the way: an obstacle may come nearer
+constexpr float min_gap = 5e-4f;                        // m; a particle that is nearer to a surface is moved off it
 constexpr float puff_drag = 2.6f;                       // 1/s
 constexpr float puff_growth = 1.3f;                     // of its radius in its life, as a share
 constexpr float puff_sinks = 0.06f;                     // m/s
@@ -51,6 +57,21 @@ size_t some(Random& random, float expected, size_t present, size_t most) {
     return std::min(number, most - present);
 }
 
+glm::vec3 velocity_against(const glm::vec3& velocity, const std::optional<Obstacle>& obstacle) {
+    return obstacle ? velocity - obstacle->velocity : velocity;
+}
+
+// The way, and as far beyond as a particle is thick and an obstacle may come towards it.
+Way longer(const Way& way, float thickness) {
+    const float length = glm::distance(way.from, way.to);
+    return length > 0.0f ? Way{way.from, way.to + (thickness + look_beyond) / length * (way.to - way.from)} : way;
+}
+
+// The gap that a particle keeps from an obstacle; one that is nearer already stays there.
+float gap_of(const glm::vec3& at, const Obstacle& obstacle, float wanted) {
+    return std::min(wanted, std::max(glm::dot(at - obstacle.point, obstacle.normal), min_gap));
+}
+
 } // namespace
 
 void Particles::set_ground(bool exists, float height) {
@@ -61,12 +82,14 @@ void Particles::set_ground(bool exists, float height) {
 void Particles::clear() {
     splinters_.clear();
     puffs_.clear();
+    bursts_ = 0;
 }
 
 void Particles::burst(const Crack& crack, const ParticleLook& look, uint64_t seed) {
     Random random(seed);
     const float area = std::max(crack.area, 0.0f);
     const float side = std::sqrt(area); // of a square as large as the crack
+    const uint32_t look_in = 1 + bursts_++ % look_steps;
     // Across the crack particles come from a thin layer; they leave mostly along it.
     const auto in_crack = [&](const glm::vec3& p, float across) {
         return p - (1.0f - across) * glm::dot(p, crack.normal) * crack.normal;
@@ -74,6 +97,7 @@ void Particles::burst(const Crack& crack, const ParticleLook& look, uint64_t see
     const float splinters = std::min(splinters_a_square_metre * area, max_splinters_of_crack) * look.splinters;
     for (size_t k = some(random, splinters, splinters_.size(), max_splinters); k > 0; --k) {
         FlyingSplinter& one = splinters_.emplace_back();
+        one.look_in = look_in;
         const glm::vec3 from = in_ball(random);
         one.at = crack.at + 0.5f * side * in_crack(from, 0.1f);
         const glm::vec3 away = in_crack(from, 0.5f) + 0.6f * in_ball(random);
@@ -90,6 +114,7 @@ void Particles::burst(const Crack& crack, const ParticleLook& look, uint64_t see
     const float puffs = std::min(puffs_a_square_metre * area, max_puffs_of_crack) * look.dust;
     for (size_t k = some(random, puffs, puffs_.size(), max_puffs); k > 0; --k) {
         FlyingPuff& one = puffs_.emplace_back();
+        one.look_in = look_in;
         const glm::vec3 from = in_ball(random);
         one.at = crack.at + 0.4f * side * in_crack(from, 0.2f);
         one.velocity =
@@ -102,33 +127,117 @@ void Particles::burst(const Crack& crack, const ParticleLook& look, uint64_t see
     }
 }
 
-// Bounces off the ground, then lies on it.
+// While it flies: where it will be, against the obstacle that it met last, and a little beyond. At rest: towards its
+// support.
+Way Particles::way_of(const FlyingSplinter& splinter, float seconds) {
+    if (splinter.rests) return {splinter.at, splinter.at - (splinter.gap + support_slack) * splinter.ahead->normal};
+    constexpr float steps = look_steps, falls = 0.5f * steps * (steps + 1.0f);
+    const glm::vec3 way = steps * seconds * velocity_against(splinter.velocity, splinter.ahead)
+                          - glm::vec3(0.0f, falls * gravity * seconds * seconds, 0.0f);
+    return longer({splinter.at, splinter.at + way}, splinter.length * splinter.width);
+}
+
+Way Particles::way_of(const FlyingPuff& puff, float seconds) {
+    const glm::vec3 way = look_steps * seconds * velocity_against(puff.velocity, puff.ahead);
+    return longer({puff.at, puff.at + way}, 0.5f * puff.radius);
+}
+
+void Particles::take(FlyingSplinter& splinter, const std::optional<Obstacle>& met) {
+    if (splinter.rests) {
+        if (met && glm::length(met->velocity) <= max_support_speed) {
+            splinter.ahead = met;
+            splinter.at = met->point + splinter.gap * met->normal; // follows a slow one
+            splinter.look_in = support_steps;
+            return;
+        }
+        splinter.rests = false; // and looks again in the next step
+        splinter.look_in = 1;
+    }
+    splinter.ahead = met;
+    if (met) splinter.gap = gap_of(splinter.at, *met, 0.5f * splinter.length * splinter.width);
+}
+
+void Particles::take(FlyingPuff& puff, const std::optional<Obstacle>& met) {
+    puff.ahead = met;
+    if (met) puff.gap = gap_of(puff.at, *met, 0.5f * puff.radius);
+}
+
+void Particles::look(auto& all, float seconds, const Obstacles& obstacles) {
+    ways_.clear();
+    looking_.clear();
+    for (size_t k = 0; k < all.size(); ++k) {
+        auto& one = all[k];
+        if (one.look_in > 0) --one.look_in;
+        if (one.look_in > 0) continue;
+        one.look_in = look_steps;
+        if (!obstacles || one.age < free_seconds) {
+            one.rests = one.rests && !one.ahead; // on the ground
+            one.ahead.reset();
+        } else if (!one.rests || one.ahead) {
+            ways_.push_back(way_of(one, seconds));
+            looking_.push_back(k);
+        }
+    }
+    if (ways_.empty()) return;
+    met_.assign(ways_.size(), std::nullopt);
+    obstacles(ways_, met_);
+    for (size_t k = 0; k < looking_.size(); ++k) take(all[looking_[k]], met_[k]);
+}
+
+// Bounces off a surface, then lies on it.
+void Particles::bounce(FlyingSplinter& splinter, const Obstacle& obstacle, float gap) {
+    const float height = glm::dot(splinter.at - obstacle.point, obstacle.normal);
+    if (height > gap) return;
+    splinter.at += (gap - height) * obstacle.normal;
+    const glm::vec3 relative = splinter.velocity - obstacle.velocity;
+    const float away = glm::dot(relative, obstacle.normal);
+    const glm::vec3 along = relative - away * obstacle.normal,
+                    after = friction * along + (away < 0.0f ? -restitution : 1.0f) * away * obstacle.normal;
+    splinter.velocity = obstacle.velocity + after;
+    splinter.spin *= friction;
+    splinter.rests = glm::length(after) < rest_speed && obstacle.normal.y >= min_rest_normal
+                     && glm::length(obstacle.velocity) <= max_support_speed;
+}
+
 void Particles::move(FlyingSplinter& splinter, float seconds) const {
-    if (splinter.rests) return;
+    if (splinter.rests) {
+        if (splinter.ahead) splinter.at += seconds * splinter.ahead->velocity;
+        return;
+    }
     splinter.velocity.y -= gravity * seconds;
     splinter.at += seconds * splinter.velocity;
     splinter.rotation = turned(splinter.rotation, seconds * splinter.spin);
-    const float lowest = ground_ + 0.5f * splinter.length * splinter.width;
-    if (!has_ground_ || splinter.at.y > lowest) return;
-    splinter.at.y = lowest;
-    splinter.velocity = glm::vec3(friction, -bounce, friction) * splinter.velocity;
-    splinter.spin *= friction;
-    splinter.rests = glm::length(splinter.velocity) < rest_speed;
+    if (splinter.ahead) {
+        splinter.ahead->point += seconds * splinter.ahead->velocity;
+        bounce(splinter, *splinter.ahead, splinter.gap);
+    }
+    if (splinter.rests || !has_ground_) return;
+    const Obstacle ground{glm::vec3(0.0f, ground_, 0.0f), glm::vec3(0.0f, 1.0f, 0.0f)};
+    bounce(splinter, ground, 0.5f * splinter.length * splinter.width);
+    if (splinter.rests) splinter.ahead.reset();
 }
 
 void Particles::move(FlyingPuff& puff, float seconds) const {
     const glm::vec3 sinking(0.0f, -puff_sinks, 0.0f);
     puff.velocity = sinking + (puff.velocity - sinking) * std::exp(-puff_drag * seconds);
     puff.at += seconds * puff.velocity;
-    const float lowest = ground_ + 0.5f * puff.radius;
-    if (!has_ground_ || puff.at.y > lowest) return;
-    puff.at.y = lowest;
-    puff.velocity.y = std::max(puff.velocity.y, 0.0f);
+    const auto stop = [&](const Obstacle& obstacle, float gap) {
+        const float height = glm::dot(puff.at - obstacle.point, obstacle.normal);
+        if (height > gap) return;
+        puff.at += (gap - height) * obstacle.normal;
+        puff.velocity -= std::min(glm::dot(puff.velocity - obstacle.velocity, obstacle.normal), 0.0f) * obstacle.normal;
+    };
+    if (puff.ahead) {
+        puff.ahead->point += seconds * puff.ahead->velocity;
+        stop(*puff.ahead, puff.gap);
+    }
+    if (has_ground_) stop({glm::vec3(0.0f, ground_, 0.0f), glm::vec3(0.0f, 1.0f, 0.0f)}, 0.5f * puff.radius);
 }
 
-void Particles::step(float seconds) {
+void Particles::step(float seconds, const Obstacles& obstacles) {
     seconds_ = seconds;
     const auto step_all = [&](auto& all) {
+        look(all, seconds, obstacles);
         for (auto& one : all) {
             one.age += seconds;
             move(one, seconds);

@@ -2,13 +2,21 @@
 //
 //     Particles particles;
 //     particles.burst({.at = at, .normal = normal, .area = 0.02f}, {.colour = grey}, seed);
-//     each step of the world: particles.step(seconds);
+//     each step of the world: particles.step(seconds, obstacles);
 //     each frame: particles.draw(alpha, splinters, dust);
 //
-// Equal bursts and steps give equal particles. World coordinates, metres, seconds.
+// The ground and obstacles stop particles. A particle asks for obstacles every look_steps steps, for its way until it
+// asks again; one that rests asks every support_steps steps whether its support is still there. So a step asks for about
+// a quarter of the particles. A new particle meets no obstacle at first, since it begins between the faces of a crack.
+// An obstacle that moves over a particle between two questions swallows it.
+//
+// Equal bursts, steps and obstacles give equal particles. World coordinates, metres, seconds.
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include <glm/gtc/quaternion.hpp>
@@ -34,15 +42,32 @@ struct ParticleLook {
     float width = 0.5f;  // Splinter::width, the greatest
 };
 
+// The way of a particle in its next steps, taken as straight.
+struct Way {
+    glm::vec3 from, to;
+};
+
+// Where a way enters a solid.
+struct Obstacle {
+    glm::vec3 point, normal;  // of the surface; unit, outward
+    glm::vec3 velocity{0.0f}; // m/s, of that point
+};
+
+// Finds for each way the first solid that it enters from outside; the second span is as long, and empty at the call.
+// Ways that follow each other are often near each other.
+using Obstacles = std::function<void(std::span<const Way> ways, std::span<std::optional<Obstacle>> met)>;
+
 class Particles {
   public:
     static constexpr size_t max_splinters = 3000, max_puffs = 200;
+    static constexpr uint32_t look_steps = 4, support_steps = 12; // between questions: in flight, at rest
 
     // The ground stops particles. Nothing: there is none.
     void set_ground(bool exists, float height);
     // Throws off particles of a crack: more of a larger one, and fewer as their number nears its limit.
     void burst(const Crack& crack, const ParticleLook& look, uint64_t seed);
-    void step(float seconds);
+    // `obstacles`: empty for none.
+    void step(float seconds, const Obstacles& obstacles = {});
     void clear();
 
     // Appends the particles as they are `alpha` steps, 0 to 1, after the step before the last.
@@ -55,14 +80,17 @@ class Particles {
   private:
     struct Flying {
         glm::vec3 at, velocity;
-        float age = 0.0f, life = 1.0f; // s
+        float age = 0.0f, life = 1.0f;   // s
+        uint32_t look_in = 0;            // steps until it asks for obstacles
+        bool rests = false;              // on `ahead` if there is one, else on the ground
+        std::optional<Obstacle> ahead{}; // that it meets before it asks again, or rests on
+        float gap = 0.0f;                // m, that it keeps from the surface of `ahead`
     };
     struct FlyingSplinter : Flying {
         glm::quat rotation;
         glm::vec3 spin; // rad/s, world axes
         float length, width;
         glm::vec3 colour;
-        bool rests = false;
     };
     struct FlyingPuff : Flying {
         float radius; // m, at birth
@@ -70,14 +98,25 @@ class Particles {
         glm::vec3 colour;
         uint32_t pattern;
     };
+    [[nodiscard]] static Way way_of(const FlyingSplinter& splinter, float seconds);
+    [[nodiscard]] static Way way_of(const FlyingPuff& puff, float seconds);
+    static void take(FlyingSplinter& splinter, const std::optional<Obstacle>& met);
+    static void take(FlyingPuff& puff, const std::optional<Obstacle>& met);
+    // Asks for the obstacles of the particles whose turn it is.
+    void look(auto& all, float seconds, const Obstacles& obstacles);
+    static void bounce(FlyingSplinter& splinter, const Obstacle& obstacle, float gap);
     void move(FlyingSplinter& splinter, float seconds) const;
     void move(FlyingPuff& puff, float seconds) const;
 
     std::vector<FlyingSplinter> splinters_;
     std::vector<FlyingPuff> puffs_;
     bool has_ground_ = true;
-    float ground_ = 0.0f;  // m
-    float seconds_ = 0.0f; // of the last step
+    float ground_ = 0.0f;   // m
+    float seconds_ = 0.0f;  // of the last step
+    uint32_t bursts_ = 0;   // particles of a burst look ahead in the same steps, those of the next burst a step later
+    std::vector<Way> ways_; // scratch of look(), with the next two lines
+    std::vector<size_t> looking_;
+    std::vector<std::optional<Obstacle>> met_;
 };
 
 } // namespace brittle::tools
