@@ -20,6 +20,7 @@
 #include "tools/brittle/studio/frame_times.h"
 #include "tools/brittle/studio/idleness.h"
 #include "tools/brittle/studio/keys.h"
+#include "tools/brittle/studio/material_menu.h"
 #include "tools/brittle/studio/navigation.h"
 #include "tools/brittle/studio/object.h"
 #include "tools/brittle/studio/preview.h"
@@ -269,20 +270,39 @@ TEST_CASE("studio: recent files are kept, newest first, without shapes and dupli
     const Folder folder;
     const fs::path place = folder.path / "state" / "recent";
     {
-        RecentFiles recent(place);
-        CHECK(recent.files().empty());
-        for (const char* file : {"/a.obj", "/b.obj", "shape:cube", "/x/../a.obj", "/line\nbreak"}) recent.add(file);
-        CHECK(recent.files() == std::vector<std::string>{"/a.obj", "/b.obj"});
+        Recent recent(place, max_recent_files);
+        CHECK(recent.entries().empty());
+        for (const char* file : {"/a.obj", "/b.obj", "shape:cube", "/x/../a.obj", "/line\nbreak"})
+            add_file(recent, file);
+        CHECK(recent.entries() == std::vector<std::string>{"/a.obj", "/b.obj"});
     }
-    RecentFiles again(place);
-    CHECK(again.files() == std::vector<std::string>{"/a.obj", "/b.obj"});
-    for (int k = 0; k < 40; ++k) again.add("/" + std::to_string(k));
-    CHECK(again.files().size() == RecentFiles::max_files);
-    CHECK(again.files().front() == "/39");
-    CHECK(RecentFiles(place).files() == again.files());
-    RecentFiles nowhere{fs::path()};
-    nowhere.add("/a.obj");
-    CHECK(nowhere.files().size() == 1);
+    Recent again(place, max_recent_files);
+    CHECK(again.entries() == std::vector<std::string>{"/a.obj", "/b.obj"});
+    for (int k = 0; k < 40; ++k) add_file(again, "/" + std::to_string(k));
+    CHECK(again.entries().size() == max_recent_files);
+    CHECK(again.entries().front() == "/39");
+    CHECK(Recent(place, max_recent_files).entries() == again.entries());
+    Recent nowhere(fs::path(), max_recent_files);
+    add_file(nowhere, "/a.obj");
+    CHECK(nowhere.entries().size() == 1);
+}
+
+TEST_CASE("studio: recent materials are kept, newest first, without plain and unknown ones") {
+    const Folder folder;
+    const fs::path place = folder.path / "state" / "recent_materials";
+    {
+        Recent recent(place, max_recent_materials);
+        for (const char* material : {"wood", "glass", "", "stone", "glass", "brick"}) recent.add(material);
+        CHECK(recent_materials(recent) == std::vector<std::string>{"brick", "glass", "stone"});
+        recent.add(recent.entries().back()); // an entry of the list itself
+        CHECK(recent_materials(recent) == std::vector<std::string>{"stone", "brick", "glass"});
+    }
+    CHECK(recent_materials(Recent(place, max_recent_materials)) == std::vector<std::string>{"stone", "brick", "glass"});
+    std::ofstream(place) << "cheese\n\nwood\nplain\nglass\n";
+    CHECK(recent_materials(Recent(place, max_recent_materials)) == std::vector<std::string>{"wood"});
+    std::ofstream(place) << "";
+    CHECK(recent_materials(Recent(place, max_recent_materials)).empty());
+    CHECK(recent_materials(Recent(folder.path, max_recent_materials)).empty()); // a folder
 }
 
 TEST_CASE("studio: an idle window is drawn for some frames after input, and slowly while a cursor blinks") {

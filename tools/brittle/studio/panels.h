@@ -36,7 +36,8 @@ struct PanelState {
     Tools& tools;
     const FrameTimes& times;
     const engine::Renderer& renderer;
-    const RecentFiles& recent;
+    const Recent& recent_files;
+    Recent& recent_materials;
     std::string device;
     bool has_line_mode = true;
     float scale = 1.0f;
@@ -78,7 +79,7 @@ class Panels {
     void object_panel(const PanelState& state);
     void scene_panel(const PanelState& state);
     void object_list(Session& session);
-    void selected_objects(Session& session);
+    void selected_objects(Session& session, Recent& recent_materials);
     void pattern_panel(const PanelState& state);
     void material_panel(const PanelState& state);
     void cuts_panel(const PanelState& state);

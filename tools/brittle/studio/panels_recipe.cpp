@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include <glm/geometric.hpp>
@@ -11,6 +12,7 @@
 
 #include "fracture/shapes/shapes.h"
 #include "physics/material.h"
+#include "tools/brittle/studio/material_menu.h"
 #include "tools/brittle/studio/panels.h"
 #include "tools/brittle/studio/style.h"
 #include "tools/brittle/studio/widgets.h"
@@ -121,8 +123,8 @@ void Panels::object_panel(const PanelState& state) {
     control(object.is_scene() ? "File" : "Mesh", "Mesh or scene to break; drop a file on the window, or open one");
     if (ImGui::BeginCombo("##Mesh", session.name().c_str())) {
         if (ImGui::Selectable("open a file ...")) actions_.push_back(Command::open);
-        if (!state.recent.files().empty()) ImGui::TextDisabled("recent files");
-        for (const std::string& file : state.recent.files()) {
+        if (!state.recent_files.entries().empty()) ImGui::TextDisabled("recent files");
+        for (const std::string& file : state.recent_files.entries()) {
             if (ImGui::Selectable((std::filesystem::path(file).filename().string() + "##" + file).c_str()))
                 session.files().open(file);
             tip(file.c_str());
@@ -212,14 +214,8 @@ void Panels::material_panel(const PanelState& state) {
     if (!begin_panel("Material")) return;
     Session& session = state.session;
     control("Material", "Material of the mesh: decides how it breaks, moves and looks (keys 1 to 6)");
-    const std::string& now = session.recipe().material;
-    if (ImGui::BeginCombo("##Material", now.empty() ? "plain" : now.c_str())) {
-        if (ImGui::Selectable("plain", now.empty())) edit(session, SetMaterial{});
-        for (const physics::MaterialPreset& preset : physics::material_presets())
-            if (ImGui::Selectable(std::string(preset.name).c_str(), preset.name == now))
-                edit(session, SetMaterial{std::string(preset.name)});
-        ImGui::EndCombo();
-    }
+    if (const std::optional<std::string> chosen = material_menu(session.recipe().material, state.recent_materials))
+        edit(session, SetMaterial{*chosen});
     const physics::MaterialPreset* preset = physics::material_preset(session.recipe().material);
     const physics::Material material = preset ? preset->material : physics::Material{};
     char text[64];

@@ -10,7 +10,7 @@
 #include <imgui.h>
 
 #include "fracture/shapes/shapes.h"
-#include "physics/material.h"
+#include "tools/brittle/studio/material_menu.h"
 #include "tools/brittle/studio/panels.h"
 #include "tools/brittle/studio/style.h"
 #include "tools/brittle/studio/widgets.h"
@@ -130,11 +130,11 @@ void Panels::scene_panel(const PanelState& state) {
     if (wide_button("Duplicate", "Copies the selected objects (Ctrl+D)", 0.5f)) actions_.push_back(Command::duplicate);
     ImGui::SameLine();
     if (wide_button("Delete", "Removes the selected objects (Del)")) actions_.push_back(Command::remove);
-    selected_objects(session);
+    selected_objects(session, state.recent_materials);
 }
 
 // The controls show the values of the first selected object, and set those of all.
-void Panels::selected_objects(Session& session) {
+void Panels::selected_objects(Session& session, Recent& recent_materials) {
     SceneObject first = session.recipe().objects[session.selected.front()];
     const auto set = [&](const std::function<void(SceneObject&)>& change) {
         if (gesture_ == 0) gesture_ = session.begin_gesture();
@@ -151,17 +151,14 @@ void Panels::selected_objects(Session& session) {
         if (ImGui::InputText("##Name", name.data(), name.size(), ImGuiInputTextFlags_EnterReturnsTrue) && name[0] != 0)
             session.rename(session.selected.front(), name.data());
     }
-    const std::string& material = first.recipe.material;
     control("Material", "Decides how it breaks, moves and looks (keys 1 to 6)");
-    if (ImGui::BeginCombo("##Material", material.empty() ? "plain" : material.c_str())) {
-        if (ImGui::Selectable("plain", material.empty())) set([](SceneObject& o) { o.recipe.material.clear(); });
-        for (const physics::MaterialPreset& preset : physics::material_presets()) {
-            const std::string name(preset.name);
-            if (ImGui::Selectable(name.c_str(), name == material))
-                set([&](SceneObject& o) { use_material(name, o.recipe); });
-        }
-        ImGui::EndCombo();
-    }
+    if (const std::optional<std::string> chosen = material_menu(first.recipe.material, recent_materials))
+        set([&](SceneObject& o) {
+            if (chosen->empty())
+                o.recipe.material.clear();
+            else
+                use_material(*chosen, o.recipe);
+        });
     const Kind kind = kind_of(first);
     control("Kind", kinds[static_cast<size_t>(kind)].tip);
     if (ImGui::BeginCombo("##Kind", name_of(kind))) {

@@ -13,34 +13,39 @@ namespace brittle::tools {
 
 namespace fs = std::filesystem;
 
-fs::path RecentFiles::usual_place() {
+fs::path Recent::usual_place(std::string_view name) {
     if (const char* state = std::getenv("XDG_STATE_HOME"); state && *state == '/')
-        return fs::path(state) / "brittle" / "recent";
+        return fs::path(state) / "brittle" / name;
     if (const char* home = std::getenv("HOME"); home && *home == '/')
-        return fs::path(home) / ".local/state/brittle/recent";
+        return fs::path(home) / ".local/state/brittle" / name;
     return {};
 }
 
-RecentFiles::RecentFiles(fs::path place) : place_(std::move(place)) {
+Recent::Recent(fs::path place, size_t max_entries) : place_(std::move(place)), max_entries_(max_entries) {
     std::ifstream file(place_);
-    for (std::string line; files_.size() < max_files && std::getline(file, line);)
-        if (!line.empty()) files_.push_back(line);
+    for (std::string line; entries_.size() < max_entries_ && std::getline(file, line);)
+        if (!line.empty()) entries_.push_back(line);
 }
 
-void RecentFiles::add(const std::string& file) {
-    if (file.starts_with("shape:") || file.find('\n') != std::string::npos) return;
-    std::error_code error;
-    const fs::path absolute = fs::absolute(file, error);
-    if (error) return;
-    const std::string name = absolute.lexically_normal().string();
-    std::erase(files_, name);
-    files_.insert(files_.begin(), name);
-    if (files_.size() > max_files) files_.resize(max_files);
+void Recent::add(const std::string& entry) {
+    if (entry.empty() || entry.find('\n') != std::string::npos) return;
+    const std::string newest = entry; // it may be one of the list
+    std::erase(entries_, newest);
+    entries_.insert(entries_.begin(), newest);
+    if (entries_.size() > max_entries_) entries_.resize(max_entries_);
     if (place_.empty()) return;
+    std::error_code error;
     fs::create_directories(place_.parent_path(), error);
     std::string text;
-    for (const std::string& one : files_) text += one + "\n";
+    for (const std::string& one : entries_) text += one + "\n";
     (void)fracture::write_file_atomically(place_, std::as_bytes(std::span(text)));
+}
+
+void add_file(Recent& recent, const std::string& file) {
+    if (file.starts_with("shape:")) return;
+    std::error_code error;
+    const fs::path absolute = fs::absolute(file, error);
+    if (!error) recent.add(absolute.lexically_normal().string());
 }
 
 } // namespace brittle::tools

@@ -45,9 +45,10 @@ bool toggle(bool& on) {
 Studio::Studio(engine::Window& window, engine::Device& device, engine::Renderer& renderer, Session& session,
                float scale)
     : window_(window), device_(device), renderer_(renderer), session_(session), scale_(scale),
-      recent_(RecentFiles::usual_place()) {
-    session_.files().opened = [this](const std::string& file) { recent_.add(file); };
-    recent_.add(session_.recipe_file.empty() ? session_.recipe().mesh : session_.recipe_file);
+      recent_files_(Recent::usual_place("recent"), max_recent_files),
+      recent_materials_(Recent::usual_place("recent_materials"), max_recent_materials) {
+    session_.files().opened = [this](const std::string& file) { add_file(recent_files_, file); };
+    add_file(recent_files_, session_.recipe_file.empty() ? session_.recipe().mesh : session_.recipe_file);
     if (const std::string& save = session_.recipe().save_recipe; !save.empty()) session_.recipe_file = save;
     show_title();
 }
@@ -217,6 +218,7 @@ void Studio::perform(Command action) {
     const auto material = static_cast<size_t>(action) - static_cast<size_t>(Command::material_1);
     if (material < physics::material_presets().size()) {
         const std::string name(physics::material_presets()[material].name);
+        recent_materials_.add(name);
         if (session_.object().is_scene())
             session_.change_selected([&](SceneObject& object) { use_material(name, object.recipe); });
         else
@@ -285,7 +287,8 @@ void Studio::draw(const Viewport& view) {
                            .tools = tools_,
                            .times = times_,
                            .renderer = renderer_,
-                           .recent = recent_,
+                           .recent_files = recent_files_,
+                           .recent_materials = recent_materials_,
                            .device = device_.info().name,
                            .has_line_mode = device_.has_line_mode(),
                            .scale = scale_,

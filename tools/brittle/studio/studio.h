@@ -60,7 +60,7 @@ class Studio {
     engine::Renderer& renderer_;
     Session& session_;
     float scale_;
-    RecentFiles recent_;
+    Recent recent_files_, recent_materials_;
     Navigation navigation_;
     Tools tools_;
     Panels panels_;
