@@ -369,7 +369,7 @@ TEST_CASE("pieces are closed and their volumes sum to the input's for all shapes
     }
 }
 
-TEST_CASE("bisectors through vertices, edges and faces give closed pieces") {
+TEST_CASE("bisectors through vertices, edges and faces give closed pieces" * doctest::test_suite("long")) {
     SUBCASE("lattice sites in a lattice cube: planes run in faces and through edges") {
         const Fragments fragments = fracture_and_check(lattice_cube(4, 2.0), lattice_sites(4, 0.5), 1e-12);
         CHECK(fragments.pieces.size() == 64);

@@ -18,7 +18,7 @@
 using namespace brittle;
 using namespace brittle::fracture;
 
-TEST_CASE("every case of the corpus passes the stress checks") {
+TEST_CASE("every case of the corpus passes the stress checks" * doctest::test_suite("long")) {
     std::vector<std::filesystem::path> files;
     for (const auto& entry : std::filesystem::directory_iterator(BRITTLE_CORPUS "/fractures"))
         files.push_back(entry.path());
@@ -32,7 +32,7 @@ TEST_CASE("every case of the corpus passes the stress checks") {
     }
 }
 
-TEST_CASE("random cases of every family pass the stress checks") {
+TEST_CASE("random cases of every family pass the stress checks" * doctest::test_suite("long")) {
     for (const std::string_view family : stress::mesh_families()) {
         for (uint64_t seed = 1; seed <= 15; ++seed) {
             CAPTURE(family);

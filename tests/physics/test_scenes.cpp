@@ -54,7 +54,8 @@ TEST_CASE("overlap: cubes at known distances, and none for bodies that are apart
           == doctest::Approx(both - 1.3).epsilon(1e-3));
 }
 
-TEST_CASE("overlap: the same from either side, and along a shift by the depth the hulls part") {
+TEST_CASE("overlap: the same from either side, and along a shift by the depth the hulls part"
+          * doctest::test_suite("long")) {
     fracture::Random random(3);
     const Scene heap = convex_pile();
     for (size_t i = 0; i < 40; ++i) {
@@ -114,7 +115,7 @@ TEST_CASE("theory: friction slows a wave of dominoes, and the wave scales with t
     CHECK(domino_wave_speed(large) == doctest::Approx(2.0 * domino_wave_speed(row)).epsilon(0.01));
 }
 
-TEST_CASE("scenes: a world takes every body, and no two overlap at the start") {
+TEST_CASE("scenes: a world takes every body, and no two overlap at the start" * doctest::test_suite("long")) {
     const double close = 1e-5; // m: positions have single precision
     for (const Scene& scene : {stack(1, 1.0), stack(20, 0.1), loaded_stack(5, 1.0, 100.0), card_house(1), card_house(4),
                                arch(0.07), arch(0.2, 31), pyramid(10, 0.5), slope(0.3, 0.3),

@@ -351,7 +351,7 @@ TEST_CASE("any soup of indices becomes a manifold that a second repair keeps") {
     }
 }
 
-TEST_CASE("large soups take seconds at most") {
+TEST_CASE("large soups take seconds at most" * doctest::test_suite("long")) {
     Random random(1);
     TriangleMesh mesh;
     for (int v = 0; v < 3000; ++v) mesh.positions.push_back(random.uniform_in({glm::dvec3(0.0), glm::dvec3(1.0)}));

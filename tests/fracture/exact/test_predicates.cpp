@@ -120,7 +120,7 @@ TEST_CASE("side2 agrees with rational arithmetic from both sites and both ends")
     }
 }
 
-TEST_CASE("side3 agrees with rational arithmetic from every site and corner order") {
+TEST_CASE("side3 agrees with rational arithmetic from every site and corner order" * doctest::test_suite("long")) {
     for (const Scene& scene : all_scenes()) {
         CAPTURE(scene.name);
         Draw draw{scene, Random(13)};
@@ -151,7 +151,7 @@ TEST_CASE("side3 agrees with rational arithmetic from every site and corner orde
     }
 }
 
-TEST_CASE("side4 agrees with rational arithmetic from every site") {
+TEST_CASE("side4 agrees with rational arithmetic from every site" * doctest::test_suite("long")) {
     for (const Scene& scene : all_scenes()) {
         CAPTURE(scene.name);
         Draw draw{scene, Random(14)};

@@ -167,7 +167,8 @@ TEST_CASE("import: damaged glTF files are refused with the element") {
     check_malformed("buffer_elsewhere.gltf", "not a file below its own folder");
 }
 
-TEST_CASE("import: JSON of a million brackets and a chain of 100,000 nodes do not overflow the stack") {
+TEST_CASE("import: JSON of a million brackets and a chain of 100,000 nodes do not overflow the stack"
+          * doctest::test_suite("long")) {
     const test::Folder folder;
     write(folder.path / "brackets.gltf", std::string(1'000'000, '['));
     check_refused(folder.path / "brackets.gltf", Status::malformed_file, "nested over 64 levels");

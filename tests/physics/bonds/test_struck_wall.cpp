@@ -106,7 +106,8 @@ Pass shoot(uint32_t count, float strength) {
 // The mortar bears less than a hundredth of the ball's momentum, so the exit speed is that of a perfectly inelastic
 // impact with the mass that has to leave the way: at least the plug of the ball's cross-section (nine tenths of the
 // disc, as the ball's hull has 42 corners), at most that of all pieces that reach into it.
-TEST_CASE("a ball leaves a weak wall at the speed of an inelastic impact with its plug, for 50 to 8,000 pieces") {
+TEST_CASE("a ball leaves a weak wall at the speed of an inelastic impact with its plug, for 50 to 8,000 pieces"
+          * doctest::test_suite("long")) {
     const double density = 1900.0, disc = std::numbers::pi * radius * radius * wall_size.z * density;
     double slowest = ball_speed, fastest = 0.0;
     for (const uint32_t count : {50u, 200u, 1000u, 3000u, 8000u}) {

@@ -552,7 +552,7 @@ TEST_CASE("a heavy resting load breaks a cantilever, and a light one does not") 
     }
 }
 
-TEST_CASE("two cubes that break on each other and on the ground gain no energy") {
+TEST_CASE("two cubes that break on each other and on the ground gain no energy" * doctest::test_suite("long")) {
     for (uint64_t seed = 3; seed < 9; ++seed) {
         RunLog log("two cubes of a hundred pieces, seed " + std::to_string(seed));
         INFO(log);

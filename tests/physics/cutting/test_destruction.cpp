@@ -127,7 +127,7 @@ TEST_CASE("destruction: blows to corners, edges, needles and flakes, beside and 
     }
 }
 
-TEST_CASE("destruction: rigid and fixed objects take part, but no blow cuts them") {
+TEST_CASE("destruction: rigid and fixed objects take part, but no blow cuts them" * doctest::test_suite("long")) {
     World world;
     Destruction destruction;
     const fracture::Result<SolidPtr> none = fixed_solid({{{0, 0, 0}, {1, 0, 0}}, {{0, 1, 1}}});
@@ -461,7 +461,7 @@ Run fall(const DestructionSettings& settings, uint32_t threads, int steps = 70, 
 
 } // namespace
 
-TEST_CASE("destruction: runs are equal bit for bit with any number of threads") {
+TEST_CASE("destruction: runs are equal bit for bit with any number of threads" * doctest::test_suite("long")) {
     const Run once = fall({.latency = 3}, 1);
     INFO(once.log);
     MESSAGE(once.pieces, " pieces of ", once.commits.size(), " commits");

@@ -367,7 +367,8 @@ TEST_CASE("destruction: retired debris does not change the motion of the others"
     CHECK(narrow->pose(body).position == roomy->pose(body).position);
 }
 
-TEST_CASE("destruction: runs that retire bonded debris are equal bit for bit with any number of threads") {
+TEST_CASE("destruction: runs that retire bonded debris are equal bit for bit with any number of threads"
+          * doctest::test_suite("long")) {
     const auto fall = [](uint32_t threads, uint32_t workers) {
         WorldSettings settings;
         settings.threads = threads;

@@ -17,7 +17,8 @@ using namespace brittle::physics::test_bodies;
 using namespace brittle::physics::test_destruction;
 using fracture::PatternKind;
 
-TEST_CASE("held destruction: a ball makes a hole in a pane that is held at its rim, and the rest stands") {
+TEST_CASE("held destruction: a ball makes a hole in a pane that is held at its rim, and the rest stands"
+          * doctest::test_suite("long")) {
     // Cracks reach the free edges. With the friction of concrete the plug would jam in a hole between four held edges,
     // because its edges do not crush.
     for (const bool all_sides : {false, true}) {
@@ -136,7 +137,7 @@ TEST_CASE("held destruction: a stem that a blow has thinned drops its load") {
     CHECK(head_is_held(0.0f)); // without loads, the thinnest stem holds a ton
 }
 
-TEST_CASE("held destruction: a weight on the head can overload the stem") {
+TEST_CASE("held destruction: a weight on the head can overload the stem" * doctest::test_suite("long")) {
     const auto pieces_after = [](float mass) {
         Mushroom mushroom(0.05f);
         run(mushroom.world, mushroom.destruction, 2);
@@ -322,7 +323,8 @@ TEST_CASE("held destruction: a head that comes off takes the blow as a free body
         }
 }
 
-TEST_CASE("held destruction: of two balls that hit a held pane at once, none bounces off") {
+TEST_CASE("held destruction: of two balls that hit a held pane at once, none bounces off"
+          * doctest::test_suite("long")) {
     for (const float behind : {0.0f, 0.33f, 0.66f}) { // m; one step and two steps at 40 m/s
         CAPTURE(behind);
         World world(empty_space);

@@ -121,7 +121,8 @@ double heap_in_use() {
 
 } // namespace
 
-TEST_CASE("destruction: four hundred cycles of breaking, while pieces stay, do not grow the heap") {
+TEST_CASE("destruction: four hundred cycles of breaking, while pieces stay, do not grow the heap"
+          * doctest::test_suite("long")) {
     constexpr int quarter = 100;
     World world;
     Destruction destruction({.latency = 1, .debris = {.max_pieces = 30, .fade_seconds = 0.05}});

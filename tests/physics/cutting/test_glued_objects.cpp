@@ -164,7 +164,7 @@ TEST_CASE("an object that is removed leaves what was glued to it in motion") {
     CHECK(angle.destruction.structures().empty());
 }
 
-TEST_CASE("a blow on glued objects gives the same state with any number of threads") {
+TEST_CASE("a blow on glued objects gives the same state with any number of threads" * doctest::test_suite("long")) {
     const auto play = [](uint32_t threads) {
         WorldSettings settings = empty_space;
         settings.threads = threads;

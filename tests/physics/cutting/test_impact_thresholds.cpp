@@ -109,7 +109,7 @@ TEST_CASE("impact thresholds: glass breaks first, then ceramic, then concrete an
     CHECK(speed["wood"] < speed["steel"]);
 }
 
-TEST_CASE("impact thresholds: cracks take no more energy than the blow has") {
+TEST_CASE("impact thresholds: cracks take no more energy than the blow has" * doctest::test_suite("long")) {
     double most = 0.0;
     int cuts = 0;
     for (const MaterialPreset& preset : material_presets())

@@ -251,7 +251,8 @@ TEST_CASE("local blow: forty blows all stay local, add few hulls, and none of th
     }
 }
 
-TEST_CASE("local blow: pieces of flat and rough blows, one after the other, do not push apart at birth") {
+TEST_CASE("local blow: pieces of flat and rough blows, one after the other, do not push apart at birth"
+          * doctest::test_suite("long")) {
     const fracture::TriangleMesh thick = fracture::torus(160, 80), thin = fracture::torus(240, 60, 1.0, 0.15);
     struct Case {
         const fracture::TriangleMesh* mesh;

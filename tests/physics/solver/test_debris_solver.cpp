@@ -173,7 +173,8 @@ TEST_CASE("debris: a cloud that falls onto the ground gains no energy in any ste
     CHECK(world.mechanics().kinetic < 1e-3 * start);
 }
 
-TEST_CASE("debris: a heap has no piece deep inside another, and the radius of a heap in which all meet") {
+TEST_CASE("debris: a heap has no piece deep inside another, and the radius of a heap in which all meet"
+          * doctest::test_suite("long")) {
     const fracture::Fragments pieces = broken_cube(500);
     const Heap debris = heap_of(pieces, {.max_colliding = 20}, 4.0f),
                all = heap_of(pieces, {.debris_size = 0.0f, .max_colliding = 0}, 4.0f);
@@ -187,7 +188,7 @@ TEST_CASE("debris: a heap has no piece deep inside another, and the radius of a 
     CHECK(deep <= debris.inside.size() / 200);
 }
 
-TEST_CASE("debris: runs are equal on any number of threads") {
+TEST_CASE("debris: runs are equal on any number of threads" * doctest::test_suite("long")) {
     const fracture::Fragments pieces = broken_cube(700);
     const auto hash = [&](uint32_t threads) {
         return heap_of(pieces, {.threads = threads, .max_colliding = 60}, 1.0f).hash;

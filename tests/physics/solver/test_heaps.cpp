@@ -98,23 +98,28 @@ void drop_shape(const char* name) {
 
 } // namespace
 
-TEST_CASE("three hundred pieces of a cube fall asleep within ten seconds, none of them in the ground") {
+TEST_CASE("three hundred pieces of a cube fall asleep within ten seconds, none of them in the ground"
+          * doctest::test_suite("long")) {
     drop_shape("cube");
 }
 
-TEST_CASE("three hundred pieces of an animal fall asleep within ten seconds, none of them in the ground") {
+TEST_CASE("three hundred pieces of an animal fall asleep within ten seconds, none of them in the ground"
+          * doctest::test_suite("long")) {
     drop_shape("animal");
 }
 
-TEST_CASE("three hundred pieces of an arch fall asleep within ten seconds, none of them in the ground") {
+TEST_CASE("three hundred pieces of an arch fall asleep within ten seconds, none of them in the ground"
+          * doctest::test_suite("long")) {
     drop_shape("arch");
 }
 
-TEST_CASE("three hundred pieces of a wall fall asleep within ten seconds, none of them in the ground") {
+TEST_CASE("three hundred pieces of a wall fall asleep within ten seconds, none of them in the ground"
+          * doctest::test_suite("long")) {
     drop_shape("wall");
 }
 
-TEST_CASE("three hundred pieces of the bunny fall asleep within ten seconds, none of them in the ground") {
+TEST_CASE("three hundred pieces of the bunny fall asleep within ten seconds, none of them in the ground"
+          * doctest::test_suite("long")) {
     if (!std::filesystem::exists(bunny_file)) {
         MESSAGE("skipped: glmark2's bunny.obj is not installed");
         return;

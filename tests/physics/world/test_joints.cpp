@@ -475,7 +475,7 @@ TEST_CASE("joints: a body that is pulled against a wall stays before it") {
     CHECK(books.last < books.start);
 }
 
-TEST_CASE("joints: states are equal for any number of threads, and repeat") {
+TEST_CASE("joints: states are equal for any number of threads, and repeat" * doctest::test_suite("long")) {
     const auto play = [](World& world) {
         test_bodies::run(world, 0.1f);
         for (int chain = 0; chain < 40; ++chain) {

@@ -374,7 +374,7 @@ TEST_CASE("precomputed forms give an equal world, and a wrong number of them is 
     CHECK(empty.body_count() == 0);
 }
 
-TEST_CASE("a thousand new pieces in empty space stay where they are") {
+TEST_CASE("a thousand new pieces in empty space stay where they are" * doctest::test_suite("long")) {
     check_that_they_stay(test::voronoi_pieces(glm::dvec3(-0.5), glm::dvec3(0.5), 1000, 6));
 }
 

@@ -1,4 +1,5 @@
-// Replay logs, and bit-equal replays of every moving scene, at any frame rate and with any number of threads.
+// Replay logs, and bit-equal replays at any frame rate and with any number of threads. run/test_scenes.cpp replays
+// every scene that moves.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -347,37 +348,4 @@ TEST_CASE("replay: logs with random bytes, or truncated anywhere, are read or re
         if (!message.empty()) CHECK(message.find("run.log") != std::string::npos);
     }
     CHECK(refused > 300); // most bytes matter; the reader does not check the digits of hashes
-}
-
-namespace {
-
-using Moves = std::tuple<
-    scene::arch_loses_a_column, scene::brick_wall_rammed, scene::bunny_dropped, scene::card_house_shot_by_a_marble,
-    scene::crushed_stone_falls, scene::dominoes_fall, scene::door_is_pushed_open, scene::drawbridge_loses_its_chain,
-    scene::figure_10_hulls, scene::figure_11_icosphere_falls_apart, scene::glass_pane_shot_by_a_ball,
-    scene::hanging_lamp_is_shot, scene::heap_of_20000, scene::pane_hangs_by_its_corners, scene::pyramid_of_1275,
-    scene::rough_wall_is_shot, scene::stack_of_50, scene::statue_broken_three_levels_deep, scene::stone_arch_falls,
-    scene::stone_arch_stands, scene::tower_collapses, scene::wrecking_ball_hits_a_wall>;
-
-} // namespace
-
-TEST_CASE_TEMPLATE_DEFINE("replay: every scene that moves repeats to the bit", Scene, repeats) {
-    const Folder folder;
-    const FractureOptions options = recipe_of<Scene>();
-    const uint64_t steps = 2 * options.picture.frames; // up to the scene's last picture
-    const fs::path file = folder.path / (name_of<Scene>() + ".log");
-    const ReplayLog log = recorded(options, started(options), steps, {}, file);
-    const std::optional<Difference> difference = replayed(log, started(log.recipe));
-    if (!difference) return;
-    const fs::path kept = fs::path(BRITTLE_FAILURE_FOLDER) / file.filename();
-    fs::create_directories(BRITTLE_FAILURE_FOLDER);
-    fs::copy_file(file, kept, fs::copy_options::overwrite_existing);
-    FAIL_CHECK("step ", difference->step, ": ", difference->what, "; brittle replay ", kept.string());
-}
-TEST_CASE_TEMPLATE_APPLY(repeats, Moves);
-
-TEST_CASE("replay: every scene that moves has a test here") {
-    CHECK(names_of<Moves>() == scenes_where([](const FractureOptions& options) {
-              return !options.picture.whole && options.picture.planes == 0 && options.picture.frames > 0;
-          }));
 }

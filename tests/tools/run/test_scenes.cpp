@@ -1,6 +1,7 @@
 // Every scene under assets/scenes against its goldens: the last picture by `brittle render` (tests/images/scenes), and
 // the piece of each pixel before anything moves (NAME.ids.png), which is exact. tools/update-goldens rewrites them;
-// look at the result. A failing scene that moves leaves its replay log beside the pictures.
+// look at the result. The runs of those that move repeat to the bit. A failing scene that moves leaves its replay log
+// beside the pictures.
 #include <cstdlib>
 #include <filesystem>
 #include <string>
@@ -9,6 +10,7 @@
 
 #include "engine/core/bitmap.h"
 #include "tests/engine/support.h"
+#include "tests/tools/replays.h"
 #include "tests/tools/scenes.h"
 #include "tests/tools/support.h"
 
@@ -39,14 +41,26 @@ TEST_CASE("scenes: every file has a test here") {
     CHECK(names_of<scene::All>() == scenes_where([](const FractureOptions&) { return true; }));
 }
 
-TEST_CASE_TEMPLATE_DEFINE("every scene looks as it did", Scene, looks) {
+TEST_CASE_TEMPLATE_DEFINE("every scene looks as it did, and its run repeats to the bit", Scene, looks) {
     const Folder folder;
     const std::string name = name_of<Scene>();
     const std::string file = folder / (name + ".png");
     const std::string log = folder / (name + ".log");
     const FractureOptions options = recipe_of(name);
-    const bool whole = options.picture.whole || options.picture.planes > 0; // nothing moves
-    render(name, "-o " + file + (whole ? "" : " --record " + log), folder);
+    const bool moves = !options.picture.whole && options.picture.planes == 0 && options.picture.frames > 0;
+    render(name, "-o " + file + (moves ? " --record " + log : ""), folder);
+    const auto keep_log = [&] {
+        const std::string kept = BRITTLE_FAILURE_FOLDER "/" + name + ".log";
+        fs::create_directories(BRITTLE_FAILURE_FOLDER);
+        fs::copy_file(log, kept, fs::copy_options::overwrite_existing);
+        return kept;
+    };
+    if (moves) {
+        const ReplayLog run = read_replay_log(log);
+        CHECK(run.states.size() > options.picture.frames); // a step a frame at least
+        if (const std::optional<Difference> difference = replayed(run, started(run.recipe)))
+            FAIL_CHECK("step ", difference->step, ": ", difference->what, "; brittle replay ", keep_log());
+    }
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
     return; // other code rounds differently, so fallen pieces lie elsewhere
 #endif
@@ -54,11 +68,7 @@ TEST_CASE_TEMPLATE_DEFINE("every scene looks as it did", Scene, looks) {
     REQUIRE(image);
     const GoldenCheck check = check_golden(*image, name, {}, golden_folder() + "/scenes");
     CHECK_MESSAGE(check.passed, check.message);
-    if (check.passed || whole) return;
-    const std::string kept = BRITTLE_FAILURE_FOLDER "/" + name + ".log";
-    fs::create_directories(BRITTLE_FAILURE_FOLDER);
-    fs::copy_file(log, kept, fs::copy_options::overwrite_existing);
-    FAIL_CHECK("brittle replay ", kept, " --render repeats it");
+    if (!check.passed && moves) FAIL_CHECK("brittle replay ", keep_log(), " --render repeats it");
 }
 TEST_CASE_TEMPLATE_APPLY(looks, scene::All);
 
