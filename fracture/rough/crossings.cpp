@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <limits>
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -122,7 +123,7 @@ void PieceCrossings::collect(const Piece& piece, std::span<const glm::dvec3> pos
     const int longest = size.x >= size.y && size.x >= size.z ? 0 : (size.y >= size.z ? 1 : 2);
     const int second = size[(longest + 1) % 3] >= size[(longest + 2) % 3] ? (longest + 1) % 3 : (longest + 2) % 3;
     low_ = low;
-    scale_ = size[longest] > 0.0 ? 1.0 / size[longest] : 0.0;
+    scale_ = size[longest] >= std::numeric_limits<double>::min() ? 1.0 / size[longest] : 0.0; // 0: all boxes meet
     order_.clear();
     for (uint32_t k = 0; k < boxed_.size(); ++k) order_.push_back({boxed_[k].low[longest], k});
     std::sort(order_.begin(), order_.end()); // boxes are in the order of triangles
@@ -346,7 +347,10 @@ std::vector<Crossing> CrossingFinder::run(const Fragments& pieces, std::span<con
     });
     std::vector<Crossing> all;
     for (const std::vector<Crossing>& part : found) all.insert(all.end(), part.begin(), part.end());
-    if (!all.empty()) remember(pieces, all); // the solid will be cut again
+    if (all.empty())
+        forget();
+    else
+        remember(pieces, all); // the solid may be cut again
     return all;
 }
 
