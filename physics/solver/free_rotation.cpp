@@ -12,8 +12,8 @@ Spin free_spin(const Spin& spin, const glm::dvec3& moments, double seconds) {
     if (!(speed > 0.0)) return spin;
     if (speed > fastest) velocity *= fastest / speed;
 
-    const int substeps =
-        std::clamp(static_cast<int>(std::ceil(speed * seconds / max_turn_per_substep)), 1, max_spin_substeps);
+    const auto substeps = static_cast<int>(
+        std::clamp(std::ceil(speed * seconds / max_turn_per_substep), 1.0, static_cast<double>(max_spin_substeps)));
     const double h = seconds / substeps, settled = 1e-12 * speed;
     glm::dquat orientation = spin.orientation;
     glm::dvec3 body = glm::conjugate(orientation) * velocity;

@@ -144,6 +144,18 @@ TEST_CASE("free rotation: a symmetric top precesses at the rate of the closed fo
     CHECK(body.z == doctest::Approx(spin_rate));
 }
 
+TEST_CASE("free rotation: a spin of more turns a step than an integer holds moves like the fastest one") {
+    const double fastest = 0.5 * 16 * 120.0;
+    const auto moved = [](double speed) {
+        return free_spin({.velocity = {0.0, speed, 0.0}}, glm::dvec3(1.0), 1.0 / 120.0);
+    };
+    for (const double speed : {1e6, 1e13, 1e150}) {
+        CHECK(moved(speed).velocity.y == doctest::Approx(fastest));
+        CHECK(moved(speed).orientation.w == doctest::Approx(moved(fastest).orientation.w));
+        CHECK(moved(speed).orientation.y == doctest::Approx(moved(fastest).orientation.y));
+    }
+}
+
 TEST_CASE("free rotation: a needle that spins faster than a step can follow is slowed down and stays finite") {
     const glm::dvec3 moments(1e-4, 1.0, 1.0);
     Spin spin{.velocity = {5000.0, 3000.0, 100.0}};
