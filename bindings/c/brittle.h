@@ -18,7 +18,8 @@
  * Errors. A function that can fail returns a status, 0 for success. `error`, the last argument, may be NULL; else it
  * receives status and message on failure, and is left alone on success. A NULL pointer, a NaN, a count or an index out
  * of range is refused with a message that names it. No exception passes this border. After a failure every output is
- * unchanged, unless stated.
+ * unchanged, unless stated. A world, a run or a workspace that served a call which returned out_of_memory can only be
+ * freed.
  *
  * Ownership. Each handle that a function gives out belongs to the caller, who frees it with the free function of its
  * type; NULL is accepted there. Handles do not depend on each other: a mesh may be freed while its pieces live. An array
@@ -84,6 +85,25 @@ typedef struct brittle_error {
 BRITTLE_API const char* brittle_status_name(brittle_status status);
 /* The version of the library, for example "0.1.0". The text is static. */
 BRITTLE_API const char* brittle_version(void);
+
+/* ---- Memory ---------------------------------------------------------------------------------------------------- */
+
+typedef struct brittle_allocator {
+    uint32_t struct_size;
+    /* Returns `size` bytes at a multiple of `alignment`, a power of two; or NULL where there are none. */
+    void* (*allocate)(void* user, size_t size, size_t alignment);
+    /* Takes a block back, with the size and the alignment that it was asked for. */
+    void (*release)(void* user, void* block, size_t size, size_t alignment);
+    void* user; /* for both */
+} brittle_allocator;
+
+/* Gives the library an allocator for the blocks that it asks for from now on; NULL: that of the C library. A block goes
+ * back to the allocator that it came from, so handles stay valid, and an allocator must stay valid until all of its
+ * blocks came back. Both functions are called by any thread, several at a time, and must not call the library. Where
+ * `allocate` returns NULL, the call returns out_of_memory; but functions that read or write files, recipes and runs take
+ * from the C library what it refuses. oneTBB and Bullet (where hulls are made, and in worlds with its engine) have memory
+ * of their own. Errors: invalid_argument where only one of the functions is NULL. */
+BRITTLE_API brittle_status brittle_set_allocator(const brittle_allocator* allocator, brittle_error* error);
 
 /* ---- Arrays ---------------------------------------------------------------------------------------------------- */
 

@@ -119,6 +119,28 @@ brittle_status guarded(brittle_error* error, Body&& body) noexcept {
     }
 }
 
+// While it lives, its thread gets from the C library what the allocator of the caller refuses: values of JSON take memory
+// even where they are destroyed, and end the program where there is none.
+class JsonMemory {
+  public:
+    JsonMemory() noexcept;
+    ~JsonMemory();
+    JsonMemory(const JsonMemory&) = delete;
+    JsonMemory& operator=(const JsonMemory&) = delete;
+
+  private:
+    bool before_;
+};
+
+// guarded() for bodies that read or write JSON.
+template<class Body>
+brittle_status guarded_json(brittle_error* error, Body&& body) noexcept {
+    return guarded(error, [&] {
+        const JsonMemory memory;
+        body();
+    });
+}
+
 // The object behind a pointer that must not be null.
 template<class T>
 T& need(T* pointer, const char* name) {

@@ -150,6 +150,7 @@ std::unique_ptr<brittle_text> text_of(std::string text) {
 } // namespace brittle::c
 
 using c::guarded;
+using c::guarded_json;
 using c::must;
 using c::need;
 using c::refuse;
@@ -164,7 +165,7 @@ brittle_status brittle_mesh_from_arrays(const brittle_mesh_arrays* arrays, britt
 }
 
 brittle_status brittle_mesh_load(const char* path, brittle_mesh** out, brittle_error* error) {
-    return guarded(error, [&] {
+    return guarded_json(error, [&] {
         need(out, "out");
         *out = c::mesh_of(must(fracture::import_model(c::read_text(path, "path")))).release();
     });
@@ -172,7 +173,7 @@ brittle_status brittle_mesh_load(const char* path, brittle_mesh** out, brittle_e
 
 brittle_status brittle_mesh_load_memory(const void* bytes, size_t size, const char* extension, brittle_mesh** out,
                                         brittle_error* error) {
-    return guarded(error, [&] {
+    return guarded_json(error, [&] {
         need(out, "out");
         if (!bytes) refuse("bytes is NULL");
         const std::span all(static_cast<const std::byte*>(bytes), size);
@@ -209,13 +210,13 @@ void brittle_mesh_free(brittle_mesh* mesh) {
 }
 
 brittle_status brittle_mesh_save(const brittle_mesh* mesh, const char* path, brittle_error* error) {
-    return guarded(error,
-                   [&] { (void)must(fracture::export_model(c::read_text(path, "path"), *need(mesh, "mesh").model)); });
+    return guarded_json(
+        error, [&] { (void)must(fracture::export_model(c::read_text(path, "path"), *need(mesh, "mesh").model)); });
 }
 
 brittle_status brittle_mesh_save_memory(const brittle_mesh* mesh, const char* name, brittle_files** out,
                                         brittle_error* error) {
-    return guarded(error, [&] {
+    return guarded_json(error, [&] {
         need(out, "out");
         auto files = std::make_unique<brittle_files>();
         files->files = must(fracture::export_model_to_memory(c::read_text(name, "name"), *need(mesh, "mesh").model));

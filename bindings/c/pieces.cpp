@@ -95,6 +95,7 @@ const brittle_surface::Part& part_at(const brittle_surface& surface, uint64_t pa
 } // namespace brittle::c
 
 using c::guarded;
+using c::guarded_json;
 using c::must;
 using c::need;
 using c::refuse;
@@ -315,7 +316,7 @@ void brittle_export_settings_init(brittle_export_settings* settings, size_t stru
 
 brittle_status brittle_pieces_save(const brittle_pieces* pieces, const char* path,
                                    const brittle_export_settings* settings, brittle_error* error) {
-    return guarded(error, [&] {
+    return guarded_json(error, [&] {
         const brittle_pieces& p = need(pieces, "pieces");
         const c::Export out(p, settings);
         (void)must(fracture::export_pieces(c::read_text(path, "path"), p.fragments, p.certificate(), out.options));
@@ -325,7 +326,7 @@ brittle_status brittle_pieces_save(const brittle_pieces* pieces, const char* pat
 brittle_status brittle_pieces_save_memory(const brittle_pieces* pieces, const char* name,
                                           const brittle_export_settings* settings, brittle_files** out,
                                           brittle_error* error) {
-    return guarded(error, [&] {
+    return guarded_json(error, [&] {
         need(out, "out");
         const brittle_pieces& p = need(pieces, "pieces");
         const c::Export exported(p, settings);

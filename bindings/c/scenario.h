@@ -18,10 +18,10 @@ namespace brittle::c {
 
 [[nodiscard]] brittle_status status_of(const tools::Failure& failure);
 
-// guarded(), where a tools::Failure becomes its status and its message.
+// guarded_json(), where a tools::Failure becomes its status and its message.
 template<class Body>
 brittle_status guarded_run(brittle_error* error, Body&& body) noexcept {
-    return guarded(error, [&] {
+    return guarded_json(error, [&] {
         try {
             body();
         } catch (const tools::Failure& failure) {

@@ -104,6 +104,15 @@ public static unsafe class Brittle
         public fixed byte message[1016];
     }
 
+    [StructLayout(LayoutKind.Sequential)]
+    public struct brittle_allocator
+    {
+        public uint struct_size;
+        public IntPtr allocate; // a delegate, by Marshal.GetFunctionPointerForDelegate
+        public IntPtr release; // a delegate, by Marshal.GetFunctionPointerForDelegate
+        public void* user;
+    }
+
     /// <summary>A table of numbers: `rows` rows of `columns` numbers; row k begins `stride` bytes after row k - 1, at any address. In an input a stride of 0 means rows without gaps, and data may be NULL where rows is 0.</summary>
     [StructLayout(LayoutKind.Sequential)]
     public struct brittle_array
@@ -361,6 +370,10 @@ public static unsafe class Brittle
     /// <summary>The version of the library, for example "0.1.0". The text is static.</summary>
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
     public static extern byte* brittle_version();
+
+    /// <summary>Gives the library an allocator for the blocks that it asks for from now on; NULL: that of the C library. A block goes back to the allocator that it came from, so handles stay valid, and an allocator must stay valid until all of its blocks came back. Both functions are called by any thread, several at a time, and must not call the library. Where `allocate` returns NULL, the call returns out_of_memory; but functions that read or write files, recipes and runs take from the C library what it refuses. oneTBB and Bullet (where hulls are made, and in worlds with its engine) have memory of their own. Errors: invalid_argument where only one of the functions is NULL.</summary>
+    [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+    public static extern int brittle_set_allocator(brittle_allocator* allocator, brittle_error* error);
 
     /// <summary>Makes a mesh. Errors: invalid_argument (type, columns or rows of an array), invalid_mesh (a coordinate that is not finite or exceeds 1e50, an index out of range), empty_mesh. An open or misoriented mesh is accepted: see brittle_mesh_inspect() and brittle_mesh_repair().</summary>
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]

@@ -135,6 +135,15 @@ pub struct brittle_error {
     pub message: [c_char; 1016],
 }
 
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct brittle_allocator {
+    pub struct_size: u32,
+    pub allocate: Option<unsafe extern "C" fn(user: *mut c_void, size: usize, alignment: usize) -> *mut c_void>,
+    pub release: Option<unsafe extern "C" fn(user: *mut c_void, block: *mut c_void, size: usize, alignment: usize)>,
+    pub user: *mut c_void,
+}
+
 /// A table of numbers: `rows` rows of `columns` numbers; row k begins `stride` bytes after row k - 1, at any address. In an input a stride of 0 means rows without gaps, and data may be NULL where rows is 0.
 #[repr(C)]
 #[derive(Clone, Copy)]
@@ -390,6 +399,8 @@ extern "C" {
     pub fn brittle_status_name(status: i32) -> *const c_char;
     /// The version of the library, for example "0.1.0". The text is static.
     pub fn brittle_version() -> *const c_char;
+    /// Gives the library an allocator for the blocks that it asks for from now on; NULL: that of the C library. A block goes back to the allocator that it came from, so handles stay valid, and an allocator must stay valid until all of its blocks came back. Both functions are called by any thread, several at a time, and must not call the library. Where `allocate` returns NULL, the call returns out_of_memory; but functions that read or write files, recipes and runs take from the C library what it refuses. oneTBB and Bullet (where hulls are made, and in worlds with its engine) have memory of their own. Errors: invalid_argument where only one of the functions is NULL.
+    pub fn brittle_set_allocator(allocator: *const brittle_allocator, error: *mut brittle_error) -> i32;
     /// Makes a mesh. Errors: invalid_argument (type, columns or rows of an array), invalid_mesh (a coordinate that is not finite or exceeds 1e50, an index out of range), empty_mesh. An open or misoriented mesh is accepted: see brittle_mesh_inspect() and brittle_mesh_repair().
     pub fn brittle_mesh_from_arrays(arrays: *const brittle_mesh_arrays, out: *mut *mut brittle_mesh, error: *mut brittle_error) -> i32;
     /// Reads .obj, .stl, .ply, .off, .glb, .gltf or .3ds with materials and textures; vertices at equal positions are welded. Errors: file_not_found, unsupported_format, malformed_file, empty_mesh.

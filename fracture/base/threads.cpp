@@ -24,29 +24,43 @@ constexpr uint32_t chunks_per_thread = 4;
 constexpr uint32_t max_threads = 256;
 
 #if !defined(BRITTLE_USES_TBB)
-// Threads of one loop, in place of TBB. Chunks are the same, so results are. After a failure no new chunk begins.
+// Threads of one loop, in place of TBB. Chunks are the same, so results are.
 template<class Body>
 void parallel(uint32_t threads, uint32_t count, const Body& body) {
     std::atomic<uint32_t> next = 0;
-    std::exception_ptr failure;
-    std::mutex failing;
-    {
-        std::vector<std::jthread> workers;
-        for (uint32_t t = 0; t < threads; ++t) {
-            workers.emplace_back([&, t] {
-                try {
-                    for (uint32_t k = next++; k < count; k = next++) body(k, t);
-                } catch (...) {
-                    const std::lock_guard lock(failing);
-                    failure = std::current_exception();
-                    next = count;
-                }
-            });
-        }
+    std::vector<std::jthread> workers;
+    for (uint32_t t = 0; t < threads; ++t) {
+        workers.emplace_back([&, t] {
+            for (uint32_t k = next++; k < count; k = next++) body(k, t);
+        });
     }
-    if (failure) std::rethrow_exception(failure);
 }
 #endif
+
+// Carries the first exception of a loop from its thread to the caller. No exception goes through TBB, which may use
+// another C++ library.
+class Failure {
+  public:
+    // Calls the body, unless it failed before on any thread.
+    template<class Body>
+    void guard(const Body& body) noexcept {
+        if (failed_) return;
+        try {
+            body();
+        } catch (...) {
+            const std::lock_guard lock(mutex_);
+            if (!failed_.exchange(true)) exception_ = std::current_exception();
+        }
+    }
+    void rethrow() {
+        if (exception_) std::rethrow_exception(exception_);
+    }
+
+  private:
+    std::atomic<bool> failed_ = false;
+    std::mutex mutex_;
+    std::exception_ptr exception_;
+};
 
 int64_t now() {
     return std::chrono::nanoseconds(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -110,16 +124,20 @@ void Threads::each_chunk(uint32_t count, const Body& body) {
         for (uint32_t k = 0; k < count; ++k) body(k, 0u);
         return;
     }
+    Failure failure;
 #if !defined(BRITTLE_USES_TBB)
-    parallel(std::min(count_, count), count, body);
+    parallel(std::min(count_, count), count,
+             [&](uint32_t k, uint32_t thread) { failure.guard([&] { body(k, thread); }); });
 #else
     arena_->arena.execute([&] {
         const auto chunk = [&](uint32_t k) {
-            body(k, static_cast<uint32_t>(tbb::this_task_arena::current_thread_index()));
+            const auto thread = static_cast<uint32_t>(tbb::this_task_arena::current_thread_index());
+            failure.guard([&] { body(k, thread); });
         };
         tbb::parallel_for(uint32_t{0}, count, chunk, tbb::simple_partitioner{});
     });
 #endif
+    failure.rethrow();
 }
 
 void Threads::run(uint32_t n, uint32_t count, Call invoke, const void* body) {

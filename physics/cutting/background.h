@@ -4,8 +4,8 @@
 //     background.start(7, [=](const std::atomic<bool>& cancelled) { return cut(solid, cancelled); });
 //     if (background.ready(7)) Pieces pieces = background.take(7);
 //
-// All calls come from the owner's thread. The destructor cancels all jobs and waits for those that run. A job must not
-// throw. On Linux the workers have a low priority, so that they do not delay frames (yield_to_frames()).
+// All calls come from the owner's thread. The destructor cancels all jobs and waits for those that run. What a job throws,
+// take() throws. On Linux the workers have a low priority, so that they do not delay frames (yield_to_frames()).
 #pragma once
 
 #include <algorithm>
@@ -14,6 +14,7 @@
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
+#include <exception>
 #include <functional>
 #include <map>
 #include <memory>
@@ -68,6 +69,7 @@ class Background {
         const std::shared_ptr<Job> job = jobs_.at(id);
         work_done_.wait(lock, [&] { return job->done.load(); });
         jobs_.erase(id);
+        if (job->failure) std::rethrow_exception(job->failure);
         return std::move(*job->value);
     }
     // Forgets a job. Its result, finished or not, is destroyed on a worker thread.
@@ -96,7 +98,8 @@ class Background {
     struct Job {
         Work work;
         std::atomic<bool> cancelled = false;
-        std::optional<Value> value; // written by the worker until done is set
+        std::optional<Value> value; // written by the worker until done is set, as is failure; one of them is set then
+        std::exception_ptr failure;
         std::atomic<bool> done = false;
     };
 
@@ -117,11 +120,18 @@ class Background {
             }
             discarded.clear();
             if (!job) continue;
-            Value value = job->work(job->cancelled);
+            std::optional<Value> value;
+            std::exception_ptr failure;
+            try {
+                value = job->work(job->cancelled);
+            } catch (...) {
+                failure = std::current_exception();
+            }
             job->work = nullptr; // destroys the captures here, not on the owner's thread
             {
                 const std::scoped_lock lock(mutex_);
                 job->value = std::move(value);
+                job->failure = std::move(failure);
                 job->done = true;
             }
             work_done_.notify_all();

@@ -2,6 +2,7 @@
 #include <atomic>
 #include <chrono>
 #include <memory>
+#include <new>
 #include <thread>
 
 #include <doctest/doctest.h>
@@ -85,6 +86,19 @@ TEST_CASE("background: a job that is cancelled before it starts is destroyed on 
     CHECK(background.take(1) == 1);
     while (held.load() == std::thread::id()) std::this_thread::yield();
     CHECK(held.load() != std::this_thread::get_id());
+}
+
+TEST_CASE("background: what a job throws, take() throws, and the worker goes on") {
+    Background<int> background;
+    background.start(1, [](const std::atomic<bool>&) -> int { throw std::bad_alloc(); });
+    background.start(2, [](const std::atomic<bool>&) { return 2; });
+    CHECK_THROWS_AS(background.take(1), std::bad_alloc);
+    CHECK(background.take(2) == 2);
+    background.start(1, [](const std::atomic<bool>&) { return 3; }); // the number is free again
+    CHECK(background.take(1) == 3);
+    background.start(4, [](const std::atomic<bool>&) -> int { throw std::bad_alloc(); });
+    while (!background.ready(4)) std::this_thread::yield();
+    background.cancel(4);
 }
 
 TEST_CASE("background: workers run at a lower priority") {
