@@ -50,7 +50,10 @@ SiteId locate(const Cells& cells, const glm::dvec3& q, SiteId c, PredicateStats&
     const Frames& frames = cells.frames;
     for (;;) {
         if (cells.diagram.cell_is_empty[c]) {
-            c = cells.tree.nearest(q);
+            c = VoronoiDiagram::none;
+            cells.tree.visit_nearest(q, [&](SiteId site) {
+                if (c == VoronoiDiagram::none || side1_exact(cells.problem, c, site, q, stats) < 0) c = site;
+            });
             assert(!cells.diagram.cell_is_empty[c]);
         }
         const Frames::Cell& cell = frames.cells[c];

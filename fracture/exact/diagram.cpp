@@ -111,7 +111,7 @@ void DiagramBuilder::choose_cells(const SolidGrid* solid) {
     tree_.visit([&](SiteId c, const glm::dvec3& position) {
         if (solid->covers(position)) choose(c);
     });
-    for (const glm::dvec3& point : solid->group_points()) choose(tree_.nearest(point));
+    for (const glm::dvec3& point : solid->group_points()) tree_.visit_nearest(point, choose);
 }
 
 void DiagramBuilder::build_cell(const Diagram& problem, const SolidGrid* solid, SiteId c, uint32_t chunk_index,

@@ -14,6 +14,10 @@ namespace {
 // Fewer sites per leaf cost more steps down the tree; more sites per leaf sort more sites that are too far away.
 constexpr uint32_t max_sites_per_leaf = 16;
 
+// Two squared distances of which the greater exceeds the other by less than this factor may be equal. Each is a sum of
+// squares of rounded differences: its relative error is below four times that of a number.
+constexpr double nearest_rounding = 1.0 + 16.0 * std::numeric_limits<double>::epsilon();
+
 uint64_t hash_of(const glm::dvec3& p) {
     uint64_t h = 0;
     for (int k = 0; k < 3; ++k) {
@@ -86,34 +90,22 @@ void SiteTree::build(std::span<const glm::dvec3> sites, std::span<const double> 
     for (size_t k = 0; k < order_.size(); ++k) positions_[k] = sites[order_[k]];
 }
 
-SiteId SiteTree::nearest(const glm::dvec3& point) const {
-    const auto distance2_to = [&](const Node& node) {
-        const glm::dvec3 gap = glm::max(glm::max(node.low - point, point - node.high), glm::dvec3(0.0));
-        return gap.x * gap.x + gap.y * gap.y + gap.z * gap.z;
-    };
+double SiteTree::bound_of_nearest(const glm::dvec3& point) const {
     double least = std::numeric_limits<double>::infinity();
-    SiteId nearest = no_index;
     const auto search = [&](const auto& self, uint32_t n) -> void {
         const Node& node = nodes_[n];
         if (node.first_child != 0) {
             const uint32_t first = node.first_child, second = first + 1;
-            const double to_first = distance2_to(nodes_[first]), to_second = distance2_to(nodes_[second]);
+            const double to_first = distance2(nodes_[first], point), to_second = distance2(nodes_[second], point);
             const bool swap = to_second < to_first;
             if (std::min(to_first, to_second) < least) self(self, swap ? second : first);
             if (std::max(to_first, to_second) < least) self(self, swap ? first : second);
             return;
         }
-        for (uint32_t k = node.begin; k < node.end; ++k) {
-            const glm::dvec3 d = positions_[k] - point;
-            const double distance2 = d.x * d.x + d.y * d.y + d.z * d.z;
-            if (distance2 < least || nearest == no_index) {
-                least = distance2;
-                nearest = order_[k];
-            }
-        }
+        for (uint32_t k = node.begin; k < node.end; ++k) least = std::min(least, distance2(positions_[k], point));
     };
     search(search, 0);
-    return nearest;
+    return least * nearest_rounding + std::numeric_limits<double>::min();
 }
 
 SiteTree::Walk::Walk(const SiteTree& tree, const glm::dvec3& position, SiteId c, WalkMemory& memory)

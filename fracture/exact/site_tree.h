@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include <glm/common.hpp>
 #include <glm/vec3.hpp>
 
 #include "fracture/exact/predicates.h"
@@ -32,8 +33,23 @@ class SiteTree {
         for (size_t k = 0; k < order_.size(); ++k) visit(order_[k], positions_[k]);
     }
 
-    // A site that is nearest to a point, up to rounding.
-    [[nodiscard]] SiteId nearest(const glm::dvec3& point) const;
+    // Calls visit(site) for the sites of which rounding leaves open which one is nearest to a point. Hardly ever they are
+    // more than one.
+    template<class Visit>
+    void visit_nearest(const glm::dvec3& point, const Visit& visit) const {
+        const double most = bound_of_nearest(point);
+        const auto search = [&](const auto& self, const Node& node) -> void {
+            if (distance2(node, point) > most) return;
+            if (node.first_child != 0) {
+                self(self, nodes_[node.first_child]);
+                self(self, nodes_[node.first_child + 1]);
+                return;
+            }
+            for (uint32_t k = node.begin; k < node.end; ++k)
+                if (distance2(positions_[k], point) <= most) visit(order_[k]);
+        };
+        search(search, nodes_[0]);
+    }
 
     [[nodiscard]] double max_weight() const { return max_weight_; }
 
@@ -91,6 +107,17 @@ class SiteTree {
     };
 
     void find_duplicates(std::span<const glm::dvec3> sites, std::span<const double> weights);
+    // Squared distances round monotonically: that of a node's box is at most that of each of its sites.
+    [[nodiscard]] static double distance2(const Node& node, const glm::dvec3& point) {
+        const glm::dvec3 gap = glm::max(glm::max(node.low - point, point - node.high), glm::dvec3(0.0));
+        return gap.x * gap.x + gap.y * gap.y + gap.z * gap.z;
+    }
+    [[nodiscard]] static double distance2(const glm::dvec3& position, const glm::dvec3& point) {
+        const glm::dvec3 d = position - point;
+        return d.x * d.x + d.y * d.y + d.z * d.z;
+    }
+    // The rounded squared distance that no nearest site exceeds.
+    [[nodiscard]] double bound_of_nearest(const glm::dvec3& point) const;
 
     double max_weight_ = 0.0;
     std::vector<uint8_t> owns_cell_;

@@ -170,6 +170,28 @@ TEST_CASE("exact: far sites and sites of mixed scales") {
     check_fracture(icosphere(3), clustered);
 }
 
+TEST_CASE("exact: sites whose distances from the mesh are equal up to rounding cut it like near ones") {
+    const TriangleMesh ball = icosphere(3);
+    Random random(7);
+    std::vector<glm::dvec3> near, far;
+    // Sites of one height: the cells are upright columns, whatever the height. The ball lies beside the sites, so that
+    // most of the cells do not meet it.
+    for (int k = 0; k < 200; ++k) {
+        const glm::dvec3 at = random.uniform_in({glm::dvec3(-3.0, -1.0, 0.0), glm::dvec3(-2.0, 1.0, 0.0)});
+        near.push_back({at.x, at.y, 0.0});
+        far.push_back({at.x, at.y, -1e30});
+    }
+    const auto expected = brittle::fracture::fracture(ball, near), got = brittle::fracture::fracture(ball, far);
+    REQUIRE(expected);
+    REQUIRE(got);
+    REQUIRE(got->pieces.size() == expected->pieces.size());
+    CHECK(got->pieces.size() > 3);
+    for (size_t p = 0; p < got->pieces.size(); ++p) {
+        CHECK(got->pieces[p].site == expected->pieces[p].site);
+        CHECK(got->pieces[p].mass.volume == doctest::Approx(expected->pieces[p].mass.volume));
+    }
+}
+
 TEST_CASE("exact: touching, overlapping, nested and inside-out solids give closed pieces") {
     const TriangleMesh ball = icosphere(3);
     const Sites sites = uniform_sites({glm::dvec3(-1.0), glm::dvec3(2.0, 1.0, 1.0)}, 60, 17);

@@ -83,7 +83,8 @@ TEST_CASE("a diagram without the cells outside a solid equals the whole diagram 
         const auto built = std::count(part.cell_is_empty.begin(), part.cell_is_empty.end(), uint8_t{0});
         CHECK(built > 20);
         CHECK(built < 900);
-        for (const glm::dvec3& p : ring.positions) CHECK_FALSE(part.cell_is_empty[builder.tree().nearest(p)]);
+        for (const glm::dvec3& p : ring.positions)
+            builder.tree().visit_nearest(p, [&](SiteId site) { CHECK_FALSE(part.cell_is_empty[site]); });
         for (const VoronoiDiagram::Facet& facet : part.facets) {
             const auto ring_of_part = part.ring_of(facet);
             const auto ring_of_whole = whole.ring_of(whole.facets[whole.facet_between(facet.i, facet.j)]);
