@@ -93,8 +93,8 @@ class AddonTest(unittest.TestCase):
         bunny = bpy.context.selected_objects[0]
         bunny.brittle.material, bunny.brittle.count = "NONE", 100
         depsgraph = bpy.context.evaluated_depsgraph_get()
-        fracture.solid_of(bunny, depsgraph).export(OUTPUT / "bunny.ply")
-        self.assertEqual(fracture.plan(bunny, depsgraph)().hash, command_hash(OUTPUT / "bunny.ply"))
+        fracture.solid_of(bunny, depsgraph)[0].export(OUTPUT / "bunny.ply")
+        self.assertEqual(fracture.plan(bunny, depsgraph).work().hash, command_hash(OUTPUT / "bunny.ply"))
 
     def test_transforms(self):
         cube = self.add("cube", size=1)
@@ -160,6 +160,75 @@ class AddonTest(unittest.TestCase):
         self.assertGreater(checked, 100)
         self.assertGreater(normals_of_cuts, 100)
 
+    def add_layers(self, cube):
+        """Texture coordinates and colours that are linear in the place, so that they can be checked anywhere."""
+        mesh = cube.data
+        mesh.uv_layers[0].name = "Bark"
+        moss = mesh.uv_layers.new(name="Moss")
+        moss.active_render = True
+        mesh.color_attributes.new("Paint", "FLOAT_COLOR", "POINT")
+        mesh.color_attributes.new("Mask", "BYTE_COLOR", "CORNER")
+        names = [layer.name for layer in mesh.color_attributes]
+        mesh.color_attributes.active_color_index = names.index("Mask")
+        mesh.color_attributes.render_color_index = names.index("Paint")
+        for name, layer in self.values_of_layers().items():
+            for loop in mesh.loops:
+                place = mesh.vertices[loop.vertex_index].co
+                if name in mesh.uv_layers:
+                    mesh.uv_layers[name].data[loop.index].uv = layer(place)
+                else:
+                    at = loop.vertex_index if name == "Paint" else loop.index
+                    mesh.color_attributes[name].data[at].color = layer(place)
+
+    def values_of_layers(self) -> dict:
+        return {"Bark": lambda p: (0.2 * p.x + 0.05 * p.z, 0.3 * p.y - 0.07 * p.z),
+                "Moss": lambda p: (0.1 * p.y, 0.4 * p.z + 0.02 * p.x),
+                "Paint": lambda p: (0.5 + 0.2 * p.x, 0.5 - 0.1 * p.y, 0.4 + 0.3 * p.z, 1.0),
+                "Mask": lambda p: (0.5 + 0.4 * p.z, 0.25, 0.5, 1.0)}
+
+    def check_layers(self, piece) -> int:
+        at, checked, mesh = piece.matrix_world.translation, 0, piece.data
+        self.assertEqual([layer.name for layer in mesh.uv_layers], ["Bark", "Moss"])
+        self.assertEqual(sorted(layer.name for layer in mesh.color_attributes), ["Mask", "Paint"])
+        self.assertEqual(mesh.uv_layers.active.name, "Bark")
+        self.assertTrue(mesh.uv_layers["Moss"].active_render)
+        self.assertEqual(mesh.color_attributes.active_color.name, "Mask")
+        self.assertEqual(mesh.color_attributes[mesh.color_attributes.render_color_index].name, "Paint")
+        for polygon in mesh.polygons:
+            outside = max(abs(x) for x in polygon.center + at) > 1 - 1e-5
+            for k in polygon.loop_indices:
+                for name, layer in self.values_of_layers().items():
+                    colours = name not in mesh.uv_layers
+                    got = (mesh.color_attributes[name].data[k].color if colours else mesh.uv_layers[name].data[k].uv)[:]
+                    if not outside:
+                        self.assertTrue(not colours or got == (1.0, 1.0, 1.0, 1.0))
+                        continue
+                    expected = layer(mesh.vertices[mesh.loops[k].vertex_index].co + at)
+                    bound = 0.01 if name == "Mask" else 1e-5  # of a byte
+                    self.assertLess(max(abs(a - b) for a, b in zip(got, expected)), bound, name)
+                    checked += 1
+        return checked
+
+    def test_layers_of_texture_coordinates_and_colours(self):
+        for roughness in (0.0, 0.3):
+            cube = self.add("cube", size=2)
+            self.add_layers(cube)
+            pieces = self.fracture(cube, count=10, material="STONE", use_roughness=True, roughness=roughness,
+                                   repair=roughness > 0.0)  # a repair that changes nothing keeps all layers
+            self.assertGreater(sum(self.check_layers(piece) for piece in pieces), 400)
+
+    def test_a_changed_mesh_keeps_the_active_layer(self):
+        cube = self.add("cube", size=2)
+        self.add_layers(cube)
+        bpy.ops.mesh.primitive_cube_add(size=1, location=(1, 0, 0))
+        cube.select_set(True)
+        bpy.context.view_layer.objects.active = cube
+        bpy.ops.object.join()
+        pieces = self.fracture(cube, count=6, material="STONE", unite=True)
+        for piece in pieces:
+            self.assertEqual([layer.name for layer in piece.data.uv_layers], ["Bark"])
+            self.assertTrue(is_closed(piece))
+
     def test_open_mesh_is_refused_with_a_reason_and_repaired(self):
         plane = self.add("grid", x_subdivisions=2, y_subdivisions=2)
         cube = self.add("cube", size=2)
@@ -214,7 +283,7 @@ class AddonTest(unittest.TestCase):
             for name, value in settings.items():
                 setattr(ball.brittle, name, value)
             depsgraph = bpy.context.evaluated_depsgraph_get()
-            return np.array(sites_of(ball, fracture.solid_of(ball, depsgraph), depsgraph).positions)
+            return np.array(sites_of(ball, fracture.solid_of(ball, depsgraph)[0], depsgraph).positions)
 
         lone = bpy.data.objects.new("focus", None)
         lone.location, lone.empty_display_size = (0, 0, 0.9), 0.05
@@ -298,7 +367,7 @@ class AddonTest(unittest.TestCase):
         cube = self.add("cube")
         for seed in (1, 1, 2):
             cube.brittle.seed = seed
-            hashes.append(fracture.plan(cube, bpy.context.evaluated_depsgraph_get())().hash)
+            hashes.append(fracture.plan(cube, bpy.context.evaluated_depsgraph_get()).work().hash)
         self.assertEqual(hashes[0], hashes[1])
         self.assertNotEqual(hashes[0], hashes[2])
 

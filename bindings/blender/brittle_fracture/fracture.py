@@ -1,40 +1,54 @@
 """The steps from an object to its pieces, without user interface."""
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Callable, Optional
 
 import bpy
+import numpy as np
 
 from .engine import brittle
+from .layers import Layers
 from .meshes import mesh_of
 from .sites import SourceError, sites_of
 
 FAULTS = (brittle.BrittleError, SourceError, ValueError)
 
 
-def solid_of(thing: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> "brittle.Mesh":
-    """The mesh of an object, repaired and united as its settings say."""
-    mesh = mesh_of(thing, depsgraph)
-    if thing.brittle.repair:
-        mesh = mesh.repair()
-    return mesh.unite() if thing.brittle.unite else mesh
+def solid_of(thing: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> tuple["brittle.Mesh", Layers]:
+    """The mesh of an object, repaired and united as its settings say, and its layers."""
+    read, layers = mesh_of(thing, depsgraph)
+    mesh = read.repair() if thing.brittle.repair else read
+    mesh = mesh.unite() if thing.brittle.unite else mesh
+    if mesh is not read:
+        layers.follow = (layers.follow and np.array_equal(mesh.faces, read.faces)
+                         and np.array_equal(mesh.vertices, read.vertices))
+    return mesh, layers
 
 
-def plan(thing: bpy.types.Object, depsgraph: bpy.types.Depsgraph, flat: bool = False,
-         **options) -> Callable[[], "brittle.Fracture"]:
-    """Reads everything from the scene, and returns the work that any thread may do. flat: without roughness."""
-    mesh = solid_of(thing, depsgraph)
+@dataclass
+class Plan:
+    """The work of a fracture, which any thread may do, and what its pieces are built with."""
+
+    work: Callable[[], "brittle.Fracture"]
+    layers: Layers
+
+
+def plan(thing: bpy.types.Object, depsgraph: bpy.types.Depsgraph, flat: bool = False, **options) -> Plan:
+    """Reads everything from the scene. flat: without roughness."""
+    mesh, layers = solid_of(thing, depsgraph)
     sites = sites_of(thing, mesh, depsgraph)
     settings = thing.brittle
     stuff = None if settings.material == "NONE" else settings.material.lower()
     roughness, seed = 0.0 if flat else settings.roughness_of_cuts(), settings.seed
-    return lambda: brittle.fracture(mesh, sites, seed=seed, material=stuff, roughness=roughness, **options)
+    return Plan(lambda: brittle.fracture(mesh, sites, seed=seed, material=stuff, roughness=roughness, **options),
+                layers)
 
 
 def check(thing: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Optional[str]:
     """Why an object cannot be broken, or None. Fills the verdict of its settings."""
     try:
-        found = solid_of(thing, depsgraph).inspect()
+        found = solid_of(thing, depsgraph)[0].inspect()
     except FAULTS as fault:
         thing.brittle.verdict = str(fault)
         return str(fault)

@@ -5,6 +5,7 @@ import bpy
 import numpy as np
 
 from .engine import brittle
+from .layers import Layers, gather
 
 
 def matrix_of(thing: bpy.types.Object) -> np.ndarray:
@@ -12,15 +13,8 @@ def matrix_of(thing: bpy.types.Object) -> np.ndarray:
     return np.array(thing.matrix_world, dtype=np.float64)
 
 
-def gather(collection, attribute: str, count: int, kind=np.float32) -> np.ndarray:
-    """One attribute of all elements of a Blender collection, (elements, count)."""
-    values = np.empty(len(collection) * count, kind)
-    collection.foreach_get(attribute, values)
-    return values.reshape(-1, count) if count > 1 else values
-
-
-def mesh_of(thing: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> "brittle.Mesh":
-    """The mesh of an object with its modifiers, normals, active texture coordinates and slots of materials.
+def mesh_of(thing: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> tuple["brittle.Mesh", Layers]:
+    """The mesh of an object with its modifiers, normals, active texture coordinates and slots of materials; its layers.
 
     Raises brittle.BrittleError for a mesh without faces.
     """
@@ -44,10 +38,12 @@ def mesh_of(thing: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> "brittle
         normals = normals @ np.linalg.inv(matrix[:3, :3])  # by the inverse transpose
         lengths = np.linalg.norm(normals, axis=1, keepdims=True)
         normals = np.divide(normals, lengths, out=np.zeros_like(normals), where=lengths > 0)
-        uv = None
-        if mesh.uv_layers.active:
-            uv = gather(mesh.uv_layers.active.data, "uv", 2)[loops].reshape(-1, 2) * [1, -1] + [0, 1]  # v points down
-        return brittle.Mesh(points[corners].reshape(-1, 3), normals=normals[loops].reshape(-1, 3), uv=uv,
-                            materials=materials, weld=True)
+        layers = Layers(mesh, loops, corners, points)
+        uv = layers.active_uv
+        solid = brittle.Mesh(points[corners].reshape(-1, 3), normals=normals[loops].reshape(-1, 3),
+                             uv=None if uv is None else uv.values.reshape(-1, 2) * [1, -1] + [0, 1],  # v points down
+                             materials=materials, weld=True)
+        layers.follow = len(solid.faces) == len(loops)
+        return solid, layers
     finally:
         evaluated.to_mesh_clear()

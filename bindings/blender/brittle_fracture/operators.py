@@ -45,7 +45,8 @@ class BRITTLE_OT_fracture(bpy.types.Operator):
     def execute(self, context):
         thing = context.active_object
         try:
-            broken = fracture.plan(thing, context.evaluated_depsgraph_get())()
+            self._plan = fracture.plan(thing, context.evaluated_depsgraph_get())
+            broken = self._plan.work()
         except fracture.FAULTS as fault:
             return self._refuse(thing, fault)
         return self._build(context, thing, broken)
@@ -55,11 +56,11 @@ class BRITTLE_OT_fracture(bpy.types.Operator):
         self._thing, self._share, self._outcome = context.active_object, 0.0, None
         self._token = brittle.CancelToken()
         try:
-            work = fracture.plan(self._thing, context.evaluated_depsgraph_get(), cancel=self._token,
-                                 progress=self._progress)
+            self._plan = fracture.plan(self._thing, context.evaluated_depsgraph_get(), cancel=self._token,
+                                       progress=self._progress)
         except fracture.FAULTS as fault:
             return self._refuse(self._thing, fault)
-        self._thread = threading.Thread(target=self._run, args=(work,), daemon=True)
+        self._thread = threading.Thread(target=self._run, args=(self._plan.work,), daemon=True)
         self._thread.start()
         self._thread.join(0.1)  # most meshes break sooner than a timer fires
         if not self._thread.is_alive():
@@ -107,7 +108,7 @@ class BRITTLE_OT_fracture(bpy.types.Operator):
     def _build(self, context, thing, broken):
         settings = thing.brittle
         settings.preview = False
-        collection, objects = pieces.build(thing, broken)
+        collection, objects = pieces.build(thing, broken, self._plan.layers)
         context.view_layer.update()
         if settings.rigid_bodies or settings.bonds:
             bodies.add_bodies(context.scene, objects, broken, settings.stuff())

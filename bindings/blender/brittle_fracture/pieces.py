@@ -6,6 +6,7 @@ import numpy as np
 from mathutils import Matrix
 
 from .engine import brittle
+from .layers import Layers
 
 
 def _interior_material(thing: bpy.types.Object) -> bpy.types.Material:
@@ -27,13 +28,59 @@ def _interior_material(thing: bpy.types.Object) -> bpy.types.Material:
     return settings.interior
 
 
-def _mesh_data(name: str, piece: "brittle.Piece", slots: int, with_uv: bool, rough: bool) -> bpy.types.Mesh:
+def _rows_of(faces: np.ndarray, of: np.ndarray) -> np.ndarray:
+    """The row of each of `faces` in `of`, which has the same faces in another order. No two have the same corners."""
+    rows = np.empty(len(faces), np.intp)
+    rows[np.lexsort(np.sort(faces, axis=1).T)] = np.lexsort(np.sort(of, axis=1).T)
+    return rows
+
+
+def _add_layers(mesh: bpy.types.Mesh, piece: "brittle.Piece", corners: np.ndarray, uv: np.ndarray,
+                layers: Layers) -> None:
+    """Adds the layers of the object. uv: from the core, its active texture coordinates and those of cuts."""
+    outside, weights = np.zeros(len(corners), bool), None
+    if layers.follow and (layers.colours or len(layers.uv) > 1):
+        rows = _rows_of(corners, piece.faces)
+        outside = rows < piece.exterior_faces
+        sources = piece.face_sources[rows[outside]]
+        weights = layers.weights(sources, piece.vertices[corners[outside]])
+    for layer in layers.uv:
+        values = uv.copy()
+        if not layer.active:
+            if weights is None:
+                continue
+            values[outside] = layers.at(layer, sources, weights)
+        added = mesh.uv_layers.new(name=layer.name, do_init=False)
+        added.data.foreach_set("uv", values.astype(np.float32).ravel())
+    if weights is not None:
+        for layer in layers.colours:
+            values = np.ones((len(corners), 3, 4), np.float32)
+            values[outside] = layers.at(layer, sources, weights)
+            mesh.color_attributes.new(layer.name, layer.kind, "CORNER").data.foreach_set("color", values.ravel())
+    _choose_layers(mesh, layers)
+
+
+def _choose_layers(mesh: bpy.types.Mesh, layers: Layers) -> None:
+    for layer in layers.uv:
+        added = mesh.uv_layers.get(layer.name)
+        if added is not None:
+            added.active = added.active or layer.active
+            added.active_render = added.active_render or layer.rendered
+    for k, layer in enumerate(mesh.color_attributes):
+        kept = next(kept for kept in layers.colours if kept.name == layer.name)
+        if kept.active:
+            mesh.color_attributes.active_color_index = k
+        if kept.rendered:
+            mesh.color_attributes.render_color_index = k
+
+
+def _mesh_data(name: str, piece: "brittle.Piece", slots: int, layers: Layers, rough: bool) -> bpy.types.Mesh:
     """The mesh of a piece around its centre of mass; material slot `slots` is that of the cuts."""
     parts = piece.surface()
     corners = np.concatenate([part.vertices[part.faces] for part in parts])
     normals = np.concatenate([part.normals[part.faces] for part in parts]).reshape(-1, 3)
     uv = np.concatenate([(part.uv if len(part.uv) else np.zeros((len(part.vertices), 2), np.float32))[part.faces]
-                         for part in parts]).reshape(-1, 2)
+                         for part in parts]) * [1, -1] + [0, 1]  # v points down there
     slot = np.concatenate([np.full(len(part.faces), slots if part.interior else min(part.material or 0, slots - 1))
                            for part in parts])
     smooth = np.concatenate([np.full(len(part.faces), rough or not part.interior) for part in parts])
@@ -50,9 +97,7 @@ def _mesh_data(name: str, piece: "brittle.Piece", slots: int, with_uv: bool, rou
         mesh.polygons.foreach_set("loop_total", np.full(len(corners), 3, np.int32))
     mesh.polygons.foreach_set("material_index", slot.astype(np.int32))
     mesh.polygons.foreach_set("use_smooth", smooth)
-    if with_uv:
-        layer = mesh.uv_layers.new(name="UVMap", do_init=False)
-        layer.data.foreach_set("uv", (uv * [1, -1] + [0, 1]).astype(np.float32).ravel())
+    _add_layers(mesh, piece, corners, uv, layers)
     mesh.update(calc_edges=True)
     mesh.normals_split_custom_set(normals)
     if bpy.app.version < (4, 1, 0):  # later versions always use these normals
@@ -60,7 +105,8 @@ def _mesh_data(name: str, piece: "brittle.Piece", slots: int, with_uv: bool, rou
     return mesh
 
 
-def build(thing: bpy.types.Object, broken: "brittle.Fracture") -> tuple[bpy.types.Collection, list[bpy.types.Object]]:
+def build(thing: bpy.types.Object, broken: "brittle.Fracture",
+          layers: Layers) -> tuple[bpy.types.Collection, list[bpy.types.Object]]:
     """Makes a collection of an object for each piece, below an empty, and hides the whole. Origins are centres of mass.
 
     Returns the collection and the objects in the order of the pieces.
@@ -75,13 +121,12 @@ def build(thing: bpy.types.Object, broken: "brittle.Fracture") -> tuple[bpy.type
 
     materials = [slot.material for slot in thing.material_slots] or [None]
     interior = _interior_material(thing)
-    with_uv = thing.type == "MESH" and bool(thing.data.uv_layers)
     rough = thing.brittle.roughness_of_cuts() > 0.0
     objects = []
     digits = len(str(max(len(broken.pieces) - 1, 0)))
     for piece in broken.pieces:
         name = f"{thing.name}_{piece.index:0{digits}}"
-        mesh = _mesh_data(name, piece, len(materials), with_uv, rough)
+        mesh = _mesh_data(name, piece, len(materials), layers, rough)
         for material in (*materials, interior):
             mesh.materials.append(material)
         part = bpy.data.objects.new(name, mesh)

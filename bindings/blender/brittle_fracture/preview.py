@@ -45,7 +45,7 @@ def refresh() -> None:
     if thing is None:
         return
     try:
-        _State.lines = cracks(fracture.plan(thing, bpy.context.evaluated_depsgraph_get(), flat=True)())
+        _State.lines = cracks(fracture.plan(thing, bpy.context.evaluated_depsgraph_get(), flat=True).work())
         _State.fault = ""
     except fracture.FAULTS as fault:
         _State.lines, _State.fault = np.zeros((0, 3), np.float32), str(fault)

@@ -6,7 +6,8 @@ import numpy as np
 from mathutils import kdtree
 
 from .engine import brittle
-from .meshes import gather, matrix_of
+from .layers import gather
+from .meshes import matrix_of
 
 
 class SourceError(Exception):
