@@ -53,7 +53,7 @@ void bound(tools::WorldOptions& world) {
     world.anchors.resize(std::min<size_t>(world.anchors.size(), 6));
     world.blow_pieces = std::min(world.blow_pieces, 12u);
     world.piece_limit = std::min(world.piece_limit, 300u);
-    world.min_size = std::max(world.min_size, 0.02);
+    world.min_size = std::max(world.min_size, 0.15); // a ball of several metres grinds all to this size
     bound_vector(world.bond.brick, 0.1, 10.0);
 }
 
