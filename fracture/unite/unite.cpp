@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <numeric>
 #include <optional>
+#include <span>
 #include <tuple>
 
 #include <glm/common.hpp>
@@ -14,6 +15,7 @@
 #include "fracture/mesh/mass_properties.h"
 #include "fracture/unite/arrangement.h"
 #include "fracture/unite/facets.h"
+#include "fracture/unite/parts.h"
 
 namespace brittle::fracture {
 namespace {
@@ -29,6 +31,9 @@ constexpr uint32_t max_rounds = 16;
 constexpr uint32_t exact_rounds = 3;
 constexpr int first_grid = -50; // exponent, relative to that of the largest coordinate
 constexpr double coarser = 4.0; // from round to round: the last exponent is -26
+// A mesh in which a part meets more others than this on average is united by halves, a few parts at once at first.
+constexpr double max_neighbours = 8.0;
+constexpr size_t max_parts_at_once = 4;
 // The most often that edges with equal ends are halved (mending::separate()).
 constexpr int max_separations = 16;
 
@@ -194,26 +199,34 @@ struct State {
     std::vector<uint8_t> is_fresh;
 };
 
-United unite_in_rounds(const TriangleMesh& mesh, uint32_t rounds, uint32_t thread_count) {
-    Threads threads(thread_count);
-    State state{mesh, std::vector<uint32_t>(mesh.triangles.size()), std::vector<uint8_t>(mesh.triangles.size(), 1)};
-    std::iota(state.source.begin(), state.source.end(), 0u);
+// What the rounds of one union made.
+struct Rounds {
+    State state;
+    uint32_t count = 0;
+    bool complete = false;
+    bool has_negative = false; // a winding number before the first
+    double inside_out = 0.0;   // m^3, before the first
+};
+
+// Unites the mesh of a state. Marks in `is_cut`, by triangle of the input, those that the first round divides.
+Rounds run_rounds(State begin, uint32_t rounds, std::vector<uint8_t>& is_cut, Threads& threads) {
+    Rounds done{.state = std::move(begin)};
+    State& state = done.state;
     State best;
     size_t fewest_cuts = SIZE_MAX;
-    UniteReport report;
-    report.volume_before = report.volume_after = signed_volume(mesh.positions, mesh.triangles);
-    report.complete = false;
-    double grid = std::ldexp(1.0, exponent_of(mesh) + first_grid);
+    double grid = std::ldexp(1.0, exponent_of(state.mesh) + first_grid);
     for (uint32_t round = 0; round < rounds; ++round) {
         std::optional<Divided> divided(std::in_place, state.mesh, state.is_fresh, threads);
         const size_t cuts = divided->all.cuts.size();
         // Rounding can also lay triangles onto each other, or turn a part inside out: no triangle is cut then.
         divided->find_facets(threads);
-        report.complete = std::all_of(divided->facets.begin(), divided->facets.end(), is_clean);
-        if (report.complete) break;
+        done.complete = std::all_of(divided->facets.begin(), divided->facets.end(), is_clean);
+        if (done.complete) break;
         if (round == 0) {
-            report.inside_out = inside_out_volume(divided->all, divided->facets);
-            report.cut_triangles = static_cast<uint32_t>(cuts);
+            done.inside_out = inside_out_volume(divided->all, divided->facets);
+            done.has_negative = std::any_of(divided->facets.begin(), divided->facets.end(),
+                                            [](const Facet& f) { return f.front < 0 || f.back() < 0; });
+            for (const arrangement::Cut& cut : divided->all.cuts) is_cut[state.source[cut.triangle]] = 1;
         } else if (cuts < fewest_cuts) {
             best = state;
             fewest_cuts = cuts;
@@ -228,11 +241,152 @@ United unite_in_rounds(const TriangleMesh& mesh, uint32_t rounds, uint32_t threa
         Boundary boundary = boundary_of(divided->all, divided->facets);
         for (uint32_t& source : boundary.source) source = state.source[source];
         state = {std::move(boundary.mesh), std::move(boundary.source), std::move(boundary.is_fresh)};
-        ++report.rounds;
+        ++done.count;
     }
-    if (!report.complete && !best.mesh.triangles.empty()) state = std::move(best);
-    United united{std::move(state.mesh), std::move(state.source), report};
-    if (!report.changed()) return united;
+    if (!done.complete && !best.mesh.triangles.empty()) state = std::move(best);
+    return done;
+}
+
+// Unites a mesh of many parts that meet each other: the parts of each half of them, then the two results. The walls
+// inside a half are gone when it meets the other, so triangles are not divided by what other parts hide.
+//
+// A half stands for its parts only if no winding number in it is negative, so unite() takes the mesh as a whole where one
+// is. Nor does it take a half in which triangles still cross after the rounds without a grid.
+class Halves {
+  public:
+    Halves(const TriangleMesh& mesh, std::vector<uint8_t>& is_cut, Threads& threads)
+        : mesh_(mesh), is_cut_(is_cut), threads_(threads) {}
+
+    // Returns nothing where the mesh must be taken as a whole.
+    [[nodiscard]] std::optional<Rounds> run(std::vector<MeshPart> parts) { return unite(std::span(parts)); }
+
+  private:
+    [[nodiscard]] std::optional<Rounds> unite(std::span<MeshPart> parts) {
+        if (parts.size() <= max_parts_at_once) return finish(begin(parts), 0);
+        Box box = parts.front().box;
+        for (const MeshPart& part : parts) box = brittle::fracture::both(box, part.box);
+        const int axis = longest_axis(box);
+        const auto half = parts.begin() + static_cast<std::ptrdiff_t>(parts.size() / 2);
+        std::nth_element(parts.begin(), half, parts.end(), [axis](const MeshPart& a, const MeshPart& b) {
+            const double at_a = a.box.centre()[axis], at_b = b.box.centre()[axis];
+            return at_a != at_b ? at_a < at_b : a.triangles.front() < b.triangles.front();
+        });
+        std::optional<Rounds> low = unite({parts.begin(), half});
+        if (!low) return std::nullopt;
+        std::optional<Rounds> high = unite({half, parts.end()});
+        if (!high) return std::nullopt;
+        return finish(both(std::move(low->state), std::move(high->state)), std::max(low->count, high->count));
+    }
+
+    [[nodiscard]] std::optional<Rounds> finish(State state, uint32_t rounds_before) {
+        Rounds done = run_rounds(std::move(state), exact_rounds, is_cut_, threads_);
+        if (!done.complete || done.has_negative) return std::nullopt;
+        done.count = std::max(done.count, rounds_before);
+        return done;
+    }
+
+    // The triangles of some parts, with vertices in the order of the mesh.
+    [[nodiscard]] State begin(std::span<const MeshPart> parts) const {
+        State state;
+        for (const MeshPart& part : parts)
+            state.source.insert(state.source.end(), part.triangles.begin(), part.triangles.end());
+        std::sort(state.source.begin(), state.source.end());
+        std::vector<uint32_t> used;
+        for (const uint32_t t : state.source)
+            for (int k = 0; k < 3; ++k) used.push_back(mesh_.triangles[t][k]);
+        std::sort(used.begin(), used.end());
+        used.erase(std::unique(used.begin(), used.end()), used.end());
+        const auto index = [&](uint32_t v) {
+            return static_cast<uint32_t>(std::lower_bound(used.begin(), used.end(), v) - used.begin());
+        };
+        for (const uint32_t v : used) state.mesh.positions.push_back(mesh_.positions[v]);
+        for (const uint32_t t : state.source) {
+            const Triangle& c = mesh_.triangles[t];
+            state.mesh.triangles.push_back({index(c.x), index(c.y), index(c.z)});
+        }
+        state.is_fresh.assign(state.source.size(), 1);
+        return state;
+    }
+
+    // Triangles within a half do not cross, so those of one half are fresh and the others are not.
+    [[nodiscard]] static State both(State a, State b) {
+        if (a.mesh.triangles.size() < b.mesh.triangles.size()) std::swap(a, b);
+        const auto first = static_cast<uint32_t>(a.mesh.positions.size());
+        a.mesh.positions.insert(a.mesh.positions.end(), b.mesh.positions.begin(), b.mesh.positions.end());
+        for (const Triangle& t : b.mesh.triangles) a.mesh.triangles.push_back(t + first);
+        a.source.insert(a.source.end(), b.source.begin(), b.source.end());
+        a.is_fresh.assign(a.is_fresh.size(), 0);
+        a.is_fresh.resize(a.source.size(), 1);
+        return a;
+    }
+
+    const TriangleMesh& mesh_;
+    std::vector<uint8_t>& is_cut_;
+    Threads& threads_;
+};
+
+// Brings triangles into the order of their sources, and vertices into that of the input, with the new ones behind them.
+void put_in_order(const TriangleMesh& input, State& state) {
+    std::vector<uint32_t> order(state.source.size());
+    std::iota(order.begin(), order.end(), 0u);
+    std::stable_sort(order.begin(), order.end(),
+                     [&](uint32_t a, uint32_t b) { return state.source[a] < state.source[b]; });
+    std::vector<uint32_t> place(state.mesh.positions.size(), no_index); // by vertex: the vertex of the input there
+    for (size_t t = 0; t < state.source.size(); ++t)
+        for (int k = 0; k < 3; ++k)
+            for (int m = 0; m < 3; ++m) {
+                const uint32_t v = state.mesh.triangles[t][k], old = input.triangles[state.source[t]][m];
+                if (state.mesh.positions[v] == input.positions[old]) place[v] = std::min(place[v], old);
+            }
+    std::vector<uint32_t> vertices(place.size()), index(place.size());
+    std::iota(vertices.begin(), vertices.end(), 0u);
+    std::stable_sort(vertices.begin(), vertices.end(), [&](uint32_t a, uint32_t b) { return place[a] < place[b]; });
+    State sorted;
+    for (const uint32_t v : vertices) {
+        index[v] = static_cast<uint32_t>(sorted.mesh.positions.size());
+        sorted.mesh.positions.push_back(state.mesh.positions[v]);
+    }
+    for (const uint32_t t : order) {
+        const Triangle& c = state.mesh.triangles[t];
+        sorted.mesh.triangles.push_back({index[c.x], index[c.y], index[c.z]});
+        sorted.source.push_back(state.source[t]);
+    }
+    state = std::move(sorted);
+}
+
+std::optional<Rounds> unite_by_halves(const TriangleMesh& mesh, std::vector<uint8_t>& is_cut, Threads& threads) {
+    std::optional<std::vector<MeshPart>> parts = parts_of(mesh);
+    if (!parts || !is_crowded(*parts, max_neighbours)) return std::nullopt;
+    std::optional<Rounds> done = Halves(mesh, is_cut, threads).run(*std::move(parts));
+    if (done && done->count > 0) put_in_order(mesh, done->state);
+    return done;
+}
+
+State state_of(const TriangleMesh& mesh) {
+    State state{mesh, std::vector<uint32_t>(mesh.triangles.size()), std::vector<uint8_t>(mesh.triangles.size(), 1)};
+    std::iota(state.source.begin(), state.source.end(), 0u);
+    return state;
+}
+
+United unite_in_rounds(const TriangleMesh& mesh, uint32_t rounds, uint32_t thread_count) {
+    Threads threads(thread_count);
+    std::vector<uint8_t> is_cut(mesh.triangles.size(), 0);
+    std::optional<Rounds> done = unite_by_halves(mesh, is_cut, threads);
+    if (!done) {
+        std::fill(is_cut.begin(), is_cut.end(), uint8_t{0});
+        done = run_rounds(state_of(mesh), rounds, is_cut, threads);
+    }
+    UniteReport report;
+    report.volume_before = report.volume_after = signed_volume(mesh.positions, mesh.triangles);
+    report.inside_out = done->inside_out;
+    report.cut_triangles = static_cast<uint32_t>(std::count(is_cut.begin(), is_cut.end(), 1));
+    report.rounds = done->count;
+    report.complete = done->complete;
+    if (!report.changed()) {
+        done->state = state_of(mesh);
+        return {std::move(done->state.mesh), std::move(done->state.source), report};
+    }
+    United united{std::move(done->state.mesh), std::move(done->state.source), report};
     united.report.volume_after = signed_volume(united.mesh.positions, united.mesh.triangles);
     count_changes(mesh, united, united.report);
     return united;

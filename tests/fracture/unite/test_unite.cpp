@@ -3,6 +3,8 @@
 #include <array>
 #include <optional>
 
+#include <glm/vector_relational.hpp>
+
 #include "fracture/base/random.h"
 #include "fracture/fracture.h"
 #include "fracture/mesh/mass_properties.h"
@@ -172,6 +174,81 @@ TEST_CASE("unite: boxes on a lattice fill the cells that one of them fills") {
         const double scale = round % 2 == 1 ? std::abs(1.0 * (1.0 + 7.0) - 2.0 * (0.0 + 3.0)) : 1.0;
         const United united = check_union(mesh);
         CHECK(signed_volume(united.mesh) == doctest::Approx(scale * cells).epsilon(1e-12));
+    }
+}
+
+TEST_CASE("unite: crowds of boxes on a lattice fill the cells that one of them fills") {
+    Random random(8);
+    const auto below = [&](uint32_t n) { return static_cast<int>(random.next() % n); };
+    constexpr int size = 8;
+    for (int round = 0; round < 12; ++round) {
+        CAPTURE(round);
+        TriangleMesh mesh;
+        std::vector<int> filled(size * size * size, 0);
+        for (int boxes = 40; boxes > 0; --boxes) {
+            glm::ivec3 low, high;
+            for (int k = 0; k < 3; ++k) {
+                low[k] = below(size - 1);
+                high[k] = low[k] + 1 + below(static_cast<uint32_t>(std::min(size - low[k], 4)));
+            }
+            const bool hollow = round % 3 == 2 && glm::all(glm::greaterThan(high - low, glm::ivec3(2)));
+            append(mesh, box_mesh(low, high));
+            if (hollow) { // a part with a cavity, in which others may lie
+                TriangleMesh cavity = box_mesh(low + 1, high - 1);
+                turn_inside_out(cavity);
+                append(mesh, cavity);
+            }
+            for (int x = low.x; x < high.x; ++x)
+                for (int y = low.y; y < high.y; ++y)
+                    for (int z = low.z; z < high.z; ++z) {
+                        const glm::ivec3 cell(x, y, z);
+                        const bool in_cavity =
+                            hollow && glm::all(glm::greaterThan(cell, low)) && glm::all(glm::lessThan(cell, high - 1));
+                        if (!in_cavity) filled[static_cast<size_t>((x * size + y) * size + z)] = 1;
+                    }
+        }
+        const auto cells = static_cast<double>(std::count(filled.begin(), filled.end(), 1));
+        const United united = check_union(mesh);
+        CHECK(signed_volume(united.mesh) == doctest::Approx(cells).epsilon(1e-12));
+        CHECK(std::is_sorted(united.source_triangle.begin(), united.source_triangle.end()));
+    }
+}
+
+TEST_CASE("unite: crowds of solids in any place fill the space that one of them fills") {
+    Random random(9);
+    for (const bool inside_out :
+         {false, true}) { // one part that counts against the others, so that no half stands alone
+        CAPTURE(inside_out);
+        TriangleMesh mesh;
+        for (int k = 0; k < 36; ++k) {
+            TriangleMesh part = k % 3 == 0 ? torus(12, 6) : (k % 3 == 1 ? cube(0.8) : icosphere(1, 0.6));
+            rotate(part, random);
+            if (inside_out && k == 20) turn_inside_out(part);
+            append(mesh, part, 0.7 * direction(random));
+        }
+        const United united = check_union(mesh);
+        check_points(mesh, united.mesh, points_around(mesh, 200));
+        CHECK((united.report.inside_out > 0.0) == inside_out);
+        CHECK(united.report.dropped_triangles > 100);
+        CHECK(united.report.cut_triangles > 100);
+
+        // Vertices that remain come first, in their order.
+        size_t at = 0;
+        for (; at < united.mesh.positions.size(); ++at) {
+            const auto known = std::find(mesh.positions.begin(), mesh.positions.end(), united.mesh.positions[at]);
+            if (known == mesh.positions.end()) break;
+            if (at > 0)
+                CHECK(known >= std::find(mesh.positions.begin(), mesh.positions.end(), united.mesh.positions[at - 1]));
+        }
+        CHECK(at > 50);
+        for (; at < united.mesh.positions.size(); ++at)
+            CHECK(std::find(mesh.positions.begin(), mesh.positions.end(), united.mesh.positions[at])
+                  == mesh.positions.end());
+        for (const uint32_t threads : {1u, 3u}) {
+            const United again = unite(mesh, threads);
+            CHECK(again.mesh.positions == united.mesh.positions);
+            CHECK(again.mesh.triangles == united.mesh.triangles);
+        }
     }
 }
 
