@@ -43,12 +43,12 @@ struct Header {
     size_t size; // of the block with its header
 };
 
-constexpr size_t least_alignment = 16;
-static_assert(sizeof(Header) <= least_alignment && alignof(std::max_align_t) <= least_alignment);
+constexpr size_t min_alignment = 16;
+static_assert(sizeof(Header) <= min_alignment && alignof(std::max_align_t) <= min_alignment);
 
 // Returns null where there is no memory. The header ends where the memory of the caller begins.
 void* allocate(size_t size, size_t alignment) noexcept {
-    alignment = std::max(alignment, least_alignment);
+    alignment = std::max(alignment, min_alignment);
     if (size > PTRDIFF_MAX - 2 * alignment) return nullptr;
     const Allocator* allocator = chosen.load(std::memory_order_acquire);
     void* block = allocator->allocate(allocator->user, size + alignment, alignment);
@@ -64,7 +64,7 @@ void* allocate(size_t size, size_t alignment) noexcept {
 
 void release(void* memory, size_t alignment) noexcept {
     if (!memory) return;
-    alignment = std::max(alignment, least_alignment);
+    alignment = std::max(alignment, min_alignment);
     const Header header = static_cast<Header*>(memory)[-1];
     header.allocator->release(header.allocator->user, static_cast<char*>(memory) - alignment, header.size, alignment);
 }

@@ -258,24 +258,24 @@ class Halves {
         : mesh_(mesh), is_cut_(is_cut), threads_(threads) {}
 
     // Returns nothing where the mesh must be taken as a whole.
-    [[nodiscard]] std::optional<Rounds> run(std::vector<MeshPart> parts) { return unite(std::span(parts)); }
+    [[nodiscard]] std::optional<Rounds> run(std::vector<MeshPart> parts) { return unite_parts(std::span(parts)); }
 
   private:
-    [[nodiscard]] std::optional<Rounds> unite(std::span<MeshPart> parts) {
+    [[nodiscard]] std::optional<Rounds> unite_parts(std::span<MeshPart> parts) {
         if (parts.size() <= max_parts_at_once) return finish(begin(parts), 0);
         Box box = parts.front().box;
-        for (const MeshPart& part : parts) box = brittle::fracture::both(box, part.box);
+        for (const MeshPart& part : parts) box = both(box, part.box);
         const int axis = longest_axis(box);
         const auto half = parts.begin() + static_cast<std::ptrdiff_t>(parts.size() / 2);
         std::nth_element(parts.begin(), half, parts.end(), [axis](const MeshPart& a, const MeshPart& b) {
             const double at_a = a.box.centre()[axis], at_b = b.box.centre()[axis];
             return at_a != at_b ? at_a < at_b : a.triangles.front() < b.triangles.front();
         });
-        std::optional<Rounds> low = unite({parts.begin(), half});
+        std::optional<Rounds> low = unite_parts({parts.begin(), half});
         if (!low) return std::nullopt;
-        std::optional<Rounds> high = unite({half, parts.end()});
+        std::optional<Rounds> high = unite_parts({half, parts.end()});
         if (!high) return std::nullopt;
-        return finish(both(std::move(low->state), std::move(high->state)), std::max(low->count, high->count));
+        return finish(joined(std::move(low->state), std::move(high->state)), std::max(low->count, high->count));
     }
 
     [[nodiscard]] std::optional<Rounds> finish(State state, uint32_t rounds_before) {
@@ -309,7 +309,7 @@ class Halves {
     }
 
     // Triangles within a half do not cross, so those of one half are fresh and the others are not.
-    [[nodiscard]] static State both(State a, State b) {
+    [[nodiscard]] static State joined(State a, State b) {
         if (a.mesh.triangles.size() < b.mesh.triangles.size()) std::swap(a, b);
         const auto first = static_cast<uint32_t>(a.mesh.positions.size());
         a.mesh.positions.insert(a.mesh.positions.end(), b.mesh.positions.begin(), b.mesh.positions.end());
