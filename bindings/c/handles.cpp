@@ -13,6 +13,8 @@ namespace {
 constexpr uint64_t max_rows = 1u << 30;
 constexpr double max_coordinate = 1e50; // as fracture()
 
+thread_local bool in_json = false;
+
 size_t size_of(uint32_t type) {
     switch (type) {
     case BRITTLE_FLOAT32:
@@ -68,6 +70,16 @@ brittle_status status_of(fracture::Status status) {
     static_assert(static_cast<int>(fracture::Status::no_volume) + 1 == BRITTLE_NO_VOLUME);
     static_assert(static_cast<int>(fracture::Status::write_failed) + 1 == BRITTLE_WRITE_FAILED);
     return static_cast<brittle_status>(status) + 1;
+}
+
+JsonMemory::JsonMemory() noexcept : before_(std::exchange(in_json, true)) {}
+
+JsonMemory::~JsonMemory() {
+    in_json = before_;
+}
+
+bool JsonMemory::is_on() noexcept {
+    return in_json;
 }
 
 bool repairable(brittle_status status) {

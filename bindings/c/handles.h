@@ -127,6 +127,7 @@ class JsonMemory {
     ~JsonMemory();
     JsonMemory(const JsonMemory&) = delete;
     JsonMemory& operator=(const JsonMemory&) = delete;
+    [[nodiscard]] static bool is_on() noexcept; // on this thread
 
   private:
     bool before_;

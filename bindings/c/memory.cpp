@@ -9,7 +9,6 @@
 #include <atomic>
 #include <cstdlib>
 #include <new>
-#include <utility>
 
 #include "bindings/c/brittle.h"
 #include "bindings/c/handles.h"
@@ -36,7 +35,6 @@ void release_by_default(void*, void* block, size_t, size_t) {
 constexpr Allocator default_allocator{allocate_by_default, release_by_default, nullptr, nullptr};
 
 std::atomic<const Allocator*> chosen{&default_allocator};
-thread_local bool in_json = false;
 
 struct Header {
     const Allocator* allocator;
@@ -52,7 +50,7 @@ void* allocate(size_t size, size_t alignment) noexcept {
     if (size > PTRDIFF_MAX - 2 * alignment) return nullptr;
     const Allocator* allocator = chosen.load(std::memory_order_acquire);
     void* block = allocator->allocate(allocator->user, size + alignment, alignment);
-    if (!block && in_json) {
+    if (!block && JsonMemory::is_on()) {
         allocator = &default_allocator;
         block = allocator->allocate(nullptr, size + alignment, alignment);
     }
@@ -76,12 +74,6 @@ void* allocate_or_throw(size_t size, size_t alignment) {
 }
 
 } // namespace
-
-JsonMemory::JsonMemory() noexcept : before_(std::exchange(in_json, true)) {}
-
-JsonMemory::~JsonMemory() {
-    in_json = before_;
-}
 
 } // namespace brittle::c
 
