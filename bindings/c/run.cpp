@@ -70,6 +70,7 @@ brittle_status brittle_run_start(const brittle_recipe* recipe, const brittle_loa
 }
 
 void brittle_run_free(brittle_run* run) {
+    const c::JsonMemory memory; // a run that was not finished writes its log
     delete run;
 }
 

@@ -371,7 +371,7 @@ public static unsafe class Brittle
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
     public static extern byte* brittle_version();
 
-    /// <summary>Gives the library an allocator for the blocks that it asks for from now on; NULL: that of the C library. A block goes back to the allocator that it came from, so handles stay valid, and an allocator must stay valid until all of its blocks came back. Both functions are called by any thread, several at a time, and must not call the library. Where `allocate` returns NULL, the call returns out_of_memory; but functions that read or write files, recipes and runs take from the C library what it refuses. oneTBB and Bullet (where hulls are made, and in worlds with its engine) have memory of their own. Errors: invalid_argument where only one of the functions is NULL.</summary>
+    /// <summary>Gives the library an allocator for the blocks that it asks for from now on; NULL: that of the C library. A block goes back to the allocator that it came from, so handles stay valid, and an allocator must stay valid until all of its blocks came back. Both functions are called by any thread, several at a time, and must not call the library. Where `allocate` returns NULL, the call returns out_of_memory; but functions that load or save meshes and pieces, and those of recipes and runs, take from the C library what it refuses. oneTBB and Bullet (where hulls are made, and in worlds with its engine) have memory of their own. Errors: invalid_argument where only one of the functions is NULL.</summary>
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
     public static extern int brittle_set_allocator(brittle_allocator* allocator, brittle_error* error);
 

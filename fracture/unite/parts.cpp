@@ -4,12 +4,12 @@
 #include <numeric>
 
 #include <glm/common.hpp>
-#include <glm/geometric.hpp>
 #include <glm/vector_relational.hpp>
 
+#include "fracture/mesh/mass_properties.h"
 #include "fracture/mesh/topology.h"
 
-namespace brittle::fracture {
+namespace brittle::fracture::arrangement {
 
 namespace {
 
@@ -30,61 +30,16 @@ double volume_of(const Box& box) {
     return size.x * size.y * size.z;
 }
 
-} // namespace
-
-Box both(const Box& a, const Box& b) {
-    return {glm::min(a.min, b.min), glm::max(a.max, b.max)};
-}
-
-int longest_axis(const Box& box) {
+int longest_axis_of(std::span<const MeshPart> parts) {
+    Box box = parts.front().box;
+    for (const MeshPart& part : parts) box = {glm::min(box.min, part.box.min), glm::max(box.max, part.box.max)};
     const glm::dvec3 size = box.size();
     return size.x >= size.y && size.x >= size.z ? 0 : (size.y >= size.z ? 1 : 2);
 }
 
-std::optional<std::vector<MeshPart>> parts_of(const TriangleMesh& mesh) {
-    const std::vector<uint32_t> component = triangle_components(mesh.positions.size(), mesh.triangles);
-    std::vector<MeshPart> components;
-    std::vector<double> volumes; // six times
-    for (uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-        const Triangle& corners = mesh.triangles[t];
-        const uint32_t n = component[t]; // numbered by first triangle
-        if (n == components.size()) {
-            const glm::dvec3& first = mesh.positions[corners.x];
-            components.push_back({{}, {first, first}});
-            volumes.push_back(0.0);
-        }
-        MeshPart& part = components[n];
-        part.triangles.push_back(t);
-        const glm::dvec3 origin = mesh.positions[mesh.triangles[part.triangles.front()].x];
-        for (int k = 0; k < 3; ++k) {
-            part.box.min = glm::min(part.box.min, mesh.positions[corners[k]]);
-            part.box.max = glm::max(part.box.max, mesh.positions[corners[k]]);
-        }
-        volumes[n] += glm::dot(mesh.positions[corners.x] - origin,
-                               glm::cross(mesh.positions[corners.y] - origin, mesh.positions[corners.z] - origin));
-    }
-    std::vector<MeshPart> parts;
-    for (size_t n = 0; n < components.size(); ++n)
-        if (volumes[n] >= 0.0) parts.push_back(std::move(components[n]));
-    for (size_t n = 0; n < components.size(); ++n) {
-        if (volumes[n] >= 0.0) continue;
-        MeshPart* around = nullptr;
-        for (MeshPart& part : parts)
-            if (contains(part.box, components[n].box) && (!around || volume_of(part.box) < volume_of(around->box)))
-                around = &part;
-        if (!around) return std::nullopt;
-        around->triangles.insert(around->triangles.end(), components[n].triangles.begin(),
-                                 components[n].triangles.end());
-    }
-    for (MeshPart& part : parts) std::sort(part.triangles.begin(), part.triangles.end());
-    return parts;
-}
-
-bool is_crowded(const std::vector<MeshPart>& parts, double most) {
-    if (parts.empty()) return false;
-    Box box = parts.front().box;
-    for (const MeshPart& part : parts) box = both(box, part.box);
-    const int axis = longest_axis(box);
+bool is_crowded(std::span<const MeshPart> parts, double most) {
+    if (parts.size() < 2) return false;
+    const int axis = longest_axis_of(parts);
     std::vector<uint32_t> order(parts.size());
     std::iota(order.begin(), order.end(), 0u);
     std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
@@ -104,4 +59,60 @@ bool is_crowded(const std::vector<MeshPart>& parts, double most) {
     return false;
 }
 
-} // namespace brittle::fracture
+std::vector<MeshPart> components_of(const TriangleMesh& mesh) {
+    const std::vector<uint32_t> component = triangle_components(mesh.positions.size(), mesh.triangles);
+    std::vector<MeshPart> components;
+    for (uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+        const Triangle& corners = mesh.triangles[t];
+        if (component[t] == components.size()) { // numbered by first triangle
+            const glm::dvec3& first = mesh.positions[corners.x];
+            components.push_back({{}, {first, first}});
+        }
+        MeshPart& part = components[component[t]];
+        part.triangles.push_back(t);
+        for (int k = 0; k < 3; ++k) {
+            part.box.min = glm::min(part.box.min, mesh.positions[corners[k]]);
+            part.box.max = glm::max(part.box.max, mesh.positions[corners[k]]);
+        }
+    }
+    return components;
+}
+
+bool is_inside_out(const TriangleMesh& mesh, const MeshPart& part) {
+    std::vector<Triangle> triangles;
+    for (const uint32_t t : part.triangles) triangles.push_back(mesh.triangles[t]);
+    return signed_volume(mesh.positions, triangles) < 0.0;
+}
+
+} // namespace
+
+std::optional<std::vector<MeshPart>> crowded_parts(const TriangleMesh& mesh, double most) {
+    std::vector<MeshPart> components = components_of(mesh), parts;
+    if (!is_crowded(components, most)) return std::nullopt;
+    const auto cavities = std::stable_partition(components.begin(), components.end(),
+                                                [&](const MeshPart& part) { return !is_inside_out(mesh, part); });
+    parts.assign(components.begin(), cavities);
+    for (auto cavity = cavities; cavity != components.end(); ++cavity) {
+        MeshPart* around = nullptr;
+        for (MeshPart& part : parts)
+            if (contains(part.box, cavity->box) && (!around || volume_of(part.box) < volume_of(around->box)))
+                around = &part;
+        if (!around) return std::nullopt;
+        around->triangles.insert(around->triangles.end(), cavity->triangles.begin(), cavity->triangles.end());
+    }
+    for (MeshPart& part : parts) std::sort(part.triangles.begin(), part.triangles.end());
+    return parts;
+}
+
+size_t halve(std::span<MeshPart> parts) {
+    const int axis = longest_axis_of(parts);
+    const size_t half = parts.size() / 2;
+    std::nth_element(parts.begin(), parts.begin() + static_cast<std::ptrdiff_t>(half), parts.end(),
+                     [axis](const MeshPart& a, const MeshPart& b) {
+                         const double at_a = a.box.centre()[axis], at_b = b.box.centre()[axis];
+                         return at_a != at_b ? at_a < at_b : a.triangles.front() < b.triangles.front();
+                     });
+    return half;
+}
+
+} // namespace brittle::fracture::arrangement

@@ -1,28 +1,28 @@
 // The parts of a mesh that unite() unites by halves: connected components, each with the cavities in it.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "fracture/mesh/mesh.h"
 
-namespace brittle::fracture {
+namespace brittle::fracture::arrangement {
 
 struct MeshPart {
     std::vector<uint32_t> triangles{}; // in ascending order
     Box box;
 };
 
-// Returns the parts in the order of their first triangles; a component with negative volume belongs to the smallest part
-// around it. Nothing where one has no part around it: it counts against all parts that it meets, so they can't be united
-// by themselves.
-[[nodiscard]] std::optional<std::vector<MeshPart>> parts_of(const TriangleMesh& mesh);
+// Returns the parts where a component meets more than `most` others on average, by their boxes. A component with negative
+// volume belongs to the smallest part around it; nothing is returned where there is none around one, because it counts
+// against all parts that it meets.
+[[nodiscard]] std::optional<std::vector<MeshPart>> crowded_parts(const TriangleMesh& mesh, double most);
 
-[[nodiscard]] Box both(const Box& a, const Box& b);
-[[nodiscard]] int longest_axis(const Box& box);
+// Orders the parts so that those of the first half lie lower along the longest axis of their box. Returns the size of that
+// half. Precondition: there are two parts at least.
+[[nodiscard]] size_t halve(std::span<MeshPart> parts);
 
-// Returns whether a part meets more than `most` others on average, by their boxes.
-[[nodiscard]] bool is_crowded(const std::vector<MeshPart>& parts, double most);
-
-} // namespace brittle::fracture
+} // namespace brittle::fracture::arrangement

@@ -22,6 +22,7 @@ namespace {
 
 using arrangement::Arrangement;
 using arrangement::Facet;
+using arrangement::MeshPart;
 
 // The rounding of new vertices can make triangles cross that are nearly in one plane. Another round unites these; hardly
 // any mesh needs more than two. Where faces are nearly in one plane, rounding may go on for ever, and cut more triangles
@@ -263,17 +264,10 @@ class Halves {
   private:
     [[nodiscard]] std::optional<Rounds> unite_parts(std::span<MeshPart> parts) {
         if (parts.size() <= max_parts_at_once) return finish(begin(parts), 0);
-        Box box = parts.front().box;
-        for (const MeshPart& part : parts) box = both(box, part.box);
-        const int axis = longest_axis(box);
-        const auto half = parts.begin() + static_cast<std::ptrdiff_t>(parts.size() / 2);
-        std::nth_element(parts.begin(), half, parts.end(), [axis](const MeshPart& a, const MeshPart& b) {
-            const double at_a = a.box.centre()[axis], at_b = b.box.centre()[axis];
-            return at_a != at_b ? at_a < at_b : a.triangles.front() < b.triangles.front();
-        });
-        std::optional<Rounds> low = unite_parts({parts.begin(), half});
+        const size_t half = arrangement::halve(parts);
+        std::optional<Rounds> low = unite_parts(parts.first(half));
         if (!low) return std::nullopt;
-        std::optional<Rounds> high = unite_parts({half, parts.end()});
+        std::optional<Rounds> high = unite_parts(parts.subspan(half));
         if (!high) return std::nullopt;
         return finish(joined(std::move(low->state), std::move(high->state)), std::max(low->count, high->count));
     }
@@ -355,8 +349,8 @@ void put_in_order(const TriangleMesh& input, State& state) {
 }
 
 std::optional<Rounds> unite_by_halves(const TriangleMesh& mesh, std::vector<uint8_t>& is_cut, Threads& threads) {
-    std::optional<std::vector<MeshPart>> parts = parts_of(mesh);
-    if (!parts || !is_crowded(*parts, max_neighbours)) return std::nullopt;
+    std::optional<std::vector<MeshPart>> parts = arrangement::crowded_parts(mesh, max_neighbours);
+    if (!parts) return std::nullopt;
     std::optional<Rounds> done = Halves(mesh, is_cut, threads).run(*std::move(parts));
     if (done && done->count > 0) put_in_order(mesh, done->state);
     return done;

@@ -7,38 +7,11 @@
 #include <string.h>
 
 #include "brittle.h"
+#include "checks.h"
 
 /* The same fracture by the C++ library. */
 uint64_t core_hash(const char* path, uint32_t count, uint64_t seed, double roughness);
 uint64_t core_state_hash(void);
-
-static int failures = 0;
-static int checks = 0;
-
-static void check(int holds, const char* what, int line) {
-    ++checks;
-    if (holds) return;
-    ++failures;
-    fprintf(stderr, "test_c.c:%d: failed: %s\n", line, what);
-}
-#define CHECK(condition) check((condition) != 0, #condition, __LINE__)
-
-/* The call must fail with this status, and its message must name `word`. */
-static void check_error(brittle_status got, brittle_status expected, const brittle_error* error, const char* word,
-                        int line) {
-    ++checks;
-    if (got == expected && error->status == expected && strstr(error->message, word)) return;
-    ++failures;
-    fprintf(stderr, "test_c.c:%d: status %s, expected %s; message \"%s\" should contain \"%s\"\n", line,
-            brittle_status_name(got), brittle_status_name(expected), error->message, word);
-}
-#define CHECK_ERROR(call, expected, word)                                                                              \
-    do {                                                                                                               \
-        brittle_error error;                                                                                           \
-        memset(&error, 0, sizeof error);                                                                               \
-        error.struct_size = sizeof error;                                                                              \
-        check_error((call), (expected), &error, (word), __LINE__);                                                     \
-    } while (0)
 
 static brittle_array array_of(uint32_t type, uint32_t columns, uint64_t rows, const void* data) {
     brittle_array array;
@@ -566,7 +539,7 @@ int main(int count, char** arguments) {
     }
     if (strcmp(arguments[1], "--hash") == 0) {
         test_hash(arguments[2]);
-        return failures > 0;
+        return check_failures > 0;
     }
     test_meshes();
     test_pieces();
@@ -583,6 +556,6 @@ int main(int count, char** arguments) {
             printf("skipped: the hash of the bunny, because %s is missing (package glmark2-data)\n", arguments[1]);
         }
     }
-    printf("%d checks, %d failures\n", checks, failures);
-    return failures > 0;
+    printf("%d checks, %d failures\n", checks, check_failures);
+    return check_failures > 0;
 }

@@ -7,17 +7,7 @@
 #include <string.h>
 
 #include "brittle.h"
-
-static int failures = 0;
-static int checks = 0;
-
-static void check(int holds, const char* what, int line) {
-    ++checks;
-    if (holds) return;
-    ++failures;
-    fprintf(stderr, "test_memory.c:%d: failed: %s\n", line, what);
-}
-#define CHECK(condition) check((condition) != 0, #condition, __LINE__)
+#include "checks.h"
 
 /* ---- Allocators ------------------------------------------------------------------------------------------------ */
 
@@ -203,7 +193,6 @@ static void test_change(const char* path) {
     static counts first, second; /* the library may use them until the program ends */
     brittle_mesh *a = NULL, *b = NULL, *c = NULL;
     brittle_allocator half;
-    brittle_error error;
     long calls;
     first = second = none_yet();
     use(&first);
@@ -224,12 +213,9 @@ static void test_change(const char* path) {
     CHECK(first.blocks == 0 && second.blocks == 0 && first.wrong == 0 && second.wrong == 0);
 
     memset(&half, 0, sizeof half);
-    memset(&error, 0, sizeof error);
     half.struct_size = sizeof half;
-    error.struct_size = sizeof error;
     half.allocate = allocate;
-    CHECK(brittle_set_allocator(&half, &error) == BRITTLE_INVALID_ARGUMENT);
-    CHECK(strstr(error.message, "allocator.release is NULL") != NULL);
+    CHECK_ERROR(brittle_set_allocator(&half, &error), BRITTLE_INVALID_ARGUMENT, "allocator.release is NULL");
 }
 
 /* Fails one allocation after the other, and all that follow it. */
@@ -283,6 +269,6 @@ int main(int count, char** arguments) {
     test_failures("break rough", break_rough, path, 200, BRITTLE_OUT_OF_MEMORY);
     test_failures("simulate", simulate, path, 200, BRITTLE_OUT_OF_MEMORY);
     test_failures("write and read", write_and_read, path, 300, BRITTLE_OK);
-    printf("%d checks, %d failures\n", checks, failures);
-    return failures > 0;
+    printf("%d checks, %d failures\n", checks, check_failures);
+    return check_failures > 0;
 }

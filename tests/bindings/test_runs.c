@@ -8,33 +8,7 @@
 #include <string.h>
 
 #include "brittle.h"
-
-static int failures = 0;
-static int checks = 0;
-
-static void check(int holds, const char* what, int line) {
-    ++checks;
-    if (holds) return;
-    ++failures;
-    fprintf(stderr, "test_runs.c:%d: failed: %s\n", line, what);
-}
-#define CHECK(condition) check((condition) != 0, #condition, __LINE__)
-
-static void check_error(brittle_status got, brittle_status expected, const brittle_error* error, const char* word,
-                        int line) {
-    ++checks;
-    if (got == expected && error->status == expected && strstr(error->message, word)) return;
-    ++failures;
-    fprintf(stderr, "test_runs.c:%d: status %s, expected %s; message \"%s\" should contain \"%s\"\n", line,
-            brittle_status_name(got), brittle_status_name(expected), error->message, word);
-}
-#define CHECK_ERROR(call, expected, word)                                                                              \
-    do {                                                                                                               \
-        brittle_error error;                                                                                           \
-        memset(&error, 0, sizeof error);                                                                               \
-        error.struct_size = sizeof error;                                                                              \
-        check_error((call), (expected), &error, (word), __LINE__);                                                     \
-    } while (0)
+#include "checks.h"
 
 /* Ends the program where the call fails. */
 static void must(brittle_status status, const brittle_error* error) {
@@ -404,6 +378,6 @@ int main(int argc, char** argv) {
     test_difference(argv[1]);
     test_other_pieces(argv[1]);
     test_scene();
-    printf("%d checks, %d failed\n", checks, failures);
-    return failures != 0;
+    printf("%d checks, %d failed\n", checks, check_failures);
+    return check_failures != 0;
 }

@@ -39,6 +39,7 @@ def _add_layers(mesh: bpy.types.Mesh, piece: "brittle.Piece", corners: np.ndarra
                 layers: Layers) -> None:
     """Adds the layers of the object. uv: from the core, its active texture coordinates and those of cuts."""
     outside, weights = np.zeros(len(corners), bool), None
+    uv_names, colour_names = {}, {}  # Blender's names of the layers
     if layers.follow and (layers.colours or len(layers.uv) > 1):
         rows = _rows_of(corners, piece.faces)
         outside = rows < piece.exterior_faces
@@ -52,25 +53,22 @@ def _add_layers(mesh: bpy.types.Mesh, piece: "brittle.Piece", corners: np.ndarra
             values[outside] = layers.at(layer, sources, weights)
         added = mesh.uv_layers.new(name=layer.name, do_init=False)
         added.data.foreach_set("uv", values.astype(np.float32).ravel())
-    if weights is not None:
-        for layer in layers.colours:
-            values = np.ones((len(corners), 3, 4), np.float32)
-            values[outside] = layers.at(layer, sources, weights)
-            mesh.color_attributes.new(layer.name, layer.kind, "CORNER").data.foreach_set("color", values.ravel())
-    _choose_layers(mesh, layers)
-
-
-def _choose_layers(mesh: bpy.types.Mesh, layers: Layers) -> None:
-    for layer in layers.uv:
-        added = mesh.uv_layers.get(layer.name)
-        if added is not None:
-            added.active = added.active or layer.active
-            added.active_render = added.active_render or layer.rendered
-    for k, layer in enumerate(mesh.color_attributes):
-        kept = next(kept for kept in layers.colours if kept.name == layer.name)
-        if kept.active:
+        uv_names[added.name] = layer  # references to layers end with the next new one
+    for layer in layers.colours if weights is not None else ():
+        values = np.ones((len(corners), 3, 4), np.float32)
+        values[outside] = layers.at(layer, sources, weights)
+        added = mesh.color_attributes.new(layer.name, layer.kind, "CORNER")
+        added.data.foreach_set("color", values.ravel())
+        colour_names[added.name] = layer
+    for name, layer in uv_names.items():
+        if layer.active:
+            mesh.uv_layers[name].active = True
+        if layer.rendered:
+            mesh.uv_layers[name].active_render = True
+    for k, added in enumerate(mesh.color_attributes):
+        if colour_names[added.name].active:
             mesh.color_attributes.active_color_index = k
-        if kept.rendered:
+        if colour_names[added.name].rendered:
             mesh.color_attributes.render_color_index = k
 
 
