@@ -132,12 +132,23 @@ struct BulletJoint {
     BulletBody *a = nullptr, *b = nullptr; // null: the world
     JointKind kind = JointKind::ball;
     btVector3 in_a{0, 0, 0}, in_b{0, 0, 0}, axis{0, 0, 0}; // the axis in a's frame
-    float max_force = 0.0f;                                // N
-    std::unique_ptr<btTypedConstraint> constraint;         // null between two sides that never move
-    std::unique_ptr<btJointFeedback> feedback;             // of the last step, in Bullet's units
+    float max_force = 0.0f, max_torque = 0.0f;             // N, N m
+    bool bears_pressure = false;
+    std::unique_ptr<btTypedConstraint> constraint; // null between two sides that never move
+    std::unique_ptr<btJointFeedback> feedback;     // of the last step, in Bullet's units
 
     // N
     [[nodiscard]] float force() const { return feedback->m_appliedForceBodyA.length() / units; }
+    // What the joint gave in the last step, as a share of what it bears.
+    [[nodiscard]] float load_share() const {
+        if (kind != JointKind::fixed) return force() / max_force;
+        const btMatrix3x3 basis = a ? a->rigid->getWorldTransform().getBasis() : btMatrix3x3::getIdentity();
+        const btVector3 to_b = basis * axis;
+        btVector3 pull = feedback->m_appliedForceBodyA;
+        const btVector3 torque = feedback->m_appliedTorqueBodyA - (basis * in_a).cross(pull);
+        if (bears_pressure) pull -= std::min(pull.dot(to_b), btScalar(0)) * to_b;
+        return pull.length() / units / max_force + torque.length() / (units * units) / max_torque;
+    }
 };
 
 class BulletEngine final : public Engine {
@@ -439,6 +450,8 @@ void BulletEngine::add_joint(JointId id, const Joint& joint, const JointBodies& 
     made->id = id;
     made->kind = joint.kind;
     made->max_force = joint.max_force;
+    made->max_torque = joint.max_torque;
+    made->bears_pressure = joint.bears_pressure;
     made->feedback = std::make_unique<btJointFeedback>();
     *made->feedback = {};
     const auto body_of = [&](size_t index) { return index == JointBodies::none ? nullptr : bodies_[index].get(); };
@@ -460,6 +473,10 @@ void BulletEngine::add_joint(JointId id, const Joint& joint, const JointBodies& 
     else if (moves && joint.kind == JointKind::hinge)
         made->constraint = std::make_unique<btHingeConstraint>(a, b, made->in_a, made->in_b, made->axis,
                                                                to_bullet(in(made->b, joint.b.axis)));
+    else if (moves && joint.kind == JointKind::fixed)
+        made->constraint = std::make_unique<btFixedConstraint>(
+            a, b, joint_frame(made->in_a, made->axis, to_bullet(in(made->a, joint.a.up))),
+            joint_frame(made->in_b, to_bullet(in(made->b, joint.b.axis)), to_bullet(in(made->b, joint.b.up))));
     else if (moves)
         made->constraint = std::make_unique<BulletDistance>(a, b, made->in_a, made->in_b, joint.min_length * units,
                                                             joint.max_length * units);
@@ -495,7 +512,7 @@ void BulletEngine::note_joints() {
         };
         push(joint->a, joint->feedback->m_appliedForceBodyA, joint->feedback->m_appliedTorqueBodyA);
         push(joint->b, joint->feedback->m_appliedForceBodyB, joint->feedback->m_appliedTorqueBodyB);
-        if (joint->force() > joint->max_force) broken_.push_back(joint->id);
+        if (joint->load_share() > 1.0f) broken_.push_back(joint->id);
     }
     for (const JointId id : broken_) end_joint(find(id));
 }

@@ -1,5 +1,5 @@
-// A joint of World on stock Bullet: its point-to-point and hinge constraints, and a distance constraint of our own,
-// since Bullet has none with one row.
+// A joint of World on stock Bullet: its point-to-point, hinge and fixed constraints, and a distance constraint of our
+// own, since Bullet has none with one row.
 //
 // Lengths are in Bullet's unit here (bullet_engine.cpp). Holders of a joint hold Bullet's mutex.
 #pragma once
@@ -7,6 +7,13 @@
 #include <btBulletDynamicsCommon.h>
 
 namespace brittle::physics {
+
+// The side of a fixed constraint: an axis and a direction across it, both of unit length.
+inline btTransform joint_frame(const btVector3& anchor, const btVector3& axis, const btVector3& up) {
+    const btVector3 side = axis.cross(up);
+    const btMatrix3x3 basis(axis.x(), up.x(), side.x(), axis.y(), up.y(), side.y(), axis.z(), up.z(), side.z());
+    return btTransform(basis, anchor);
+}
 
 // Keeps the distance of two points between two lengths.
 class BulletDistance final : public btTypedConstraint {

@@ -22,6 +22,11 @@ constexpr double error_slack = 5e-6;
 // Newton iterations of a step, and the largest error, m and rad, that one of them corrects.
 constexpr int max_corrections = 4;
 constexpr double max_corrected_error = 0.2;
+// Of fixed joints: the share by which diagonal entries grow, of the strongest joint and of the weakest. Well above
+// Skyline::min_pivot, so that redundant rows keep their pivots, and so small that nobody sees them yield.
+constexpr double min_softness = 1e-6, max_softness = 1e-4;
+// Halvings of the interval in which the impulse of a joint that breaks is found.
+constexpr int impulse_halvings = 40;
 // m; below this distance of the anchors the direction of a distance joint is the vertical.
 constexpr double min_distance = 1e-9;
 
@@ -57,7 +62,8 @@ glm::dvec3 direction_of(const Body* body, const glm::vec3& local) {
 }
 
 uint32_t rows_of(JointKind kind) {
-    return kind == JointKind::ball ? 3 : kind == JointKind::hinge ? 5 : 1;
+    constexpr std::array<uint32_t, joint_kinds.size()> rows{3, 5, 1, 6};
+    return rows[static_cast<size_t>(kind)];
 }
 
 } // namespace
@@ -128,6 +134,21 @@ void JointSystem::order() {
         firsts_.insert(firsts_.end(), joint.count, first);
     }
     rows_.assign(joint_of_row_.size(), {});
+    soften();
+}
+
+void JointSystem::soften() {
+    const auto is_fixed = [](const SolverJoint* joint) { return joint->kind == JointKind::fixed; };
+    double strongest = 0.0; // N
+    for (const SolverJoint* joint : joints_)
+        if (is_fixed(joint) && std::isfinite(joint->max_force))
+            strongest = std::max(strongest, static_cast<double>(joint->max_force));
+    softness_.clear();
+    for (const SolverJoint* joint : joints_)
+        softness_.push_back(is_fixed(joint)
+                                ? std::clamp(min_softness * strongest / static_cast<double>(joint->max_force),
+                                             min_softness, max_softness)
+                                : 0.0);
 }
 
 void JointSystem::start(std::span<const uint32_t> indices, const Step& step) {
@@ -139,7 +160,7 @@ void JointSystem::start(std::span<const uint32_t> indices, const Step& step) {
         body.angular = glm::dvec3(body.body->velocity.angular);
         body.linear_given = body.angular_given = glm::dvec3(0.0);
     }
-    for (Placed& placed : placed_) placed.given = glm::dvec3(0.0);
+    for (Placed& placed : placed_) placed.given = {};
 }
 
 void JointSystem::start_substep(const VelocityChange* changes, const Displacement* moved) {
@@ -236,15 +257,24 @@ void JointSystem::place(uint32_t index) {
         put_along(placed.first + static_cast<uint32_t>(axis), n, placed.apart[axis]);
     }
     if (joint.kind == JointKind::ball) return;
-    placed.frame_axis = direction_of(joint.b, joint.axis_b);
-    placed.axis = displaced(placed.b, placed.frame_axis);
-    // Chosen on a, so that they turn with it.
-    const std::array<glm::dvec3, 2> local = across(glm::normalize(glm::dvec3(joint.axis_a)));
-    for (uint32_t i = 0; i < 2; ++i) {
-        placed.frame_tangents[i] = joint.a ? glm::dmat3(joint.a->frame.basis) * local[i] : local[i];
-        const glm::dvec3& t = placed.tangents[i] = displaced(placed.a, placed.frame_tangents[i]);
-        const glm::dvec3 angular = glm::cross(t, placed.axis);
-        put_row(placed.first + 3 + i, placed, glm::dvec3(0.0), angular, -angular, glm::dot(t, placed.axis));
+    const glm::dvec3 axis_b = direction_of(joint.b, joint.axis_b);
+    const glm::dvec3 axis_a = glm::normalize(glm::dvec3(joint.axis_a));
+    std::array<glm::dvec3, 3> on_a{}; // in a's frame, so that they turn with it
+    placed.frame_on_b = {axis_b, axis_b, axis_b};
+    if (joint.kind == JointKind::fixed) {
+        const glm::dvec3 up_a(joint.up_a), side_a = glm::cross(axis_a, up_a);
+        on_a = {up_a, side_a, side_a};
+        placed.frame_on_b[2] = direction_of(joint.b, joint.up_b);
+        placed.axis = displaced(placed.b, axis_b);
+    } else {
+        const std::array<glm::dvec3, 2> tangents = across(axis_a);
+        on_a = {tangents[0], tangents[1], glm::dvec3(0.0)};
+    }
+    for (uint32_t i = 0; i + 3 < placed.count; ++i) {
+        placed.frame_on_a[i] = joint.a ? glm::dmat3(joint.a->frame.basis) * on_a[i] : on_a[i];
+        const glm::dvec3 t = displaced(placed.a, placed.frame_on_a[i]), s = displaced(placed.b, placed.frame_on_b[i]);
+        const glm::dvec3 angular = glm::cross(t, s);
+        put_row(placed.first + 3 + i, placed, glm::dvec3(0.0), angular, -angular, glm::dot(t, s));
     }
 }
 
@@ -263,7 +293,7 @@ void JointSystem::put_row(uint32_t index, const Placed& placed, const glm::dvec3
 void JointSystem::factor() {
     matrix_.shape(firsts_);
     for (uint32_t i = 0; i < rows_.size(); ++i) {
-        const JointRow& row = rows_[i];
+        JointRow& row = rows_[i];
         if (!row.active) {
             matrix_.at(i, i) = 1.0;
             continue;
@@ -284,6 +314,8 @@ void JointSystem::factor() {
                                + shared(own.b, -row.linear, rotation_b, its.a, other.linear, other.angular_a)
                                + shared(own.b, -row.linear, rotation_b, its.b, -other.linear, other.angular_b);
         }
+        row.softness = softness_[joint_of_row_[i]] * matrix_.at(i, i);
+        matrix_.at(i, i) += row.softness;
     }
     matrix_.factor();
     factored_ = true;
@@ -298,6 +330,11 @@ double JointSystem::speed_of(const Placed& placed, const JointRow& row) const {
         speed +=
             glm::dot(row.angular_b, bodies_[placed.b].angular_now) - glm::dot(row.linear, bodies_[placed.b].linear_now);
     return speed;
+}
+
+// The speed that v_target is for: of a soft row, with that at which it yields to its impulse.
+double JointSystem::closing_of(uint32_t row) const {
+    return speed_of(placed_[joint_of_row_[row]], rows_[row]) + rows_[row].softness * rows_[row].impulse;
 }
 
 void JointSystem::apply(const Placed& placed, const JointRow& row, double impulse) {
@@ -344,8 +381,8 @@ void JointSystem::find_bends() {
         for (int axis = 0; axis < 3; ++axis) rows_[placed.first + static_cast<uint32_t>(axis)].bend = -bend[axis] / h;
         for (uint32_t i = 3; i < placed.count; ++i) {
             JointRow& row = rows_[placed.first + i];
-            const glm::dvec3 &t = placed.frame_tangents[i - 3], &axis = placed.frame_axis;
-            const double end = glm::dot(t + turned(end_a, t), axis + turned(end_b, axis));
+            const glm::dvec3 &t = placed.frame_on_a[i - 3], &s = placed.frame_on_b[i - 3];
+            const double end = glm::dot(t + turned(end_a, t), s + turned(end_b, s));
             row.bend = -(end - row.error - h * glm::dot(row.angular_a, w_a - w_b)) / h;
         }
     }
@@ -358,9 +395,9 @@ void JointSystem::find_bends() {
 void JointSystem::set_targets() {
     steady_.resize(rows_.size());
     bending_.resize(rows_.size());
-    for (size_t i = 0; i < rows_.size(); ++i) {
+    for (uint32_t i = 0; i < rows_.size(); ++i) {
         const JointRow& row = rows_[i];
-        steady_[i] = row.active ? row.gap - speed_of(placed_[joint_of_row_[i]], row) : 0.0;
+        steady_[i] = row.active ? row.gap - closing_of(i) : 0.0;
         bending_[i] = row.active ? row.bend : 0.0;
     }
     matrix_.solve(steady_);
@@ -408,28 +445,45 @@ bool JointSystem::release_pushing() {
     return changed;
 }
 
-// N s: the impulse that the joint gives a in the substep.
-glm::dvec3 JointSystem::impulse_of(const Placed& placed) const {
-    glm::dvec3 impulse(0.0);
-    for (uint32_t i = placed.first; i < placed.first + placed.count; ++i) impulse += rows_[i].impulse * rows_[i].linear;
-    return impulse;
+// What the joint gives a in the substep.
+JointSystem::Push JointSystem::push_of(const Placed& placed) const {
+    Push push;
+    for (uint32_t i = placed.first; i < placed.first + placed.count; ++i) {
+        push.impulse += rows_[i].impulse * rows_[i].linear;
+        if (i >= placed.first + 3) push.moment += rows_[i].impulse * rows_[i].angular_a;
+    }
+    return push;
+}
+
+// What a joint has given in a step, as a share of what it bears.
+double JointSystem::load_share(const SolverJoint& joint, const Placed& placed, const Push& push) const {
+    const double force = static_cast<double>(joint.max_force) * step_seconds_;
+    if (joint.kind != JointKind::fixed) return glm::length(push.impulse) / force;
+    glm::dvec3 impulse = push.impulse;
+    if (joint.bears_pressure) impulse -= std::min(glm::dot(impulse, placed.axis), 0.0) * placed.axis;
+    return glm::length(impulse) / force
+           + glm::length(push.moment) / (static_cast<double>(joint.max_torque) * step_seconds_);
 }
 
 bool JointSystem::break_overloaded() {
     bool changed = false;
     for (size_t i = 0; i < joints_.size(); ++i) {
         const Placed& placed = placed_[i];
-        const double most = static_cast<double>(joints_[i]->max_force) * step_seconds_;
-        const glm::dvec3 &given = placed.given, added = impulse_of(placed);
-        if (joints_[i]->broken || !(glm::length(given + added) > most)) continue;
+        const Push added = push_of(placed);
+        const auto overloads = [&](double part) {
+            const Push push{placed.given.impulse + part * added.impulse, placed.given.moment + part * added.moment};
+            return load_share(*joints_[i], placed, push) > 1.0;
+        };
+        if (joints_[i]->broken || !overloads(1.0)) continue;
         joints_[i]->broken = true;
-        // The greatest part of the impulse with which the step's has no more than the greatest length.
-        const double square = glm::dot(added, added), half = glm::dot(given, added),
-                     rest = std::max(most * most - glm::dot(given, given), 0.0);
-        const double part = square > 0.0 ? (std::sqrt(half * half + square * rest) - half) / square : 0.0;
+        double part = 0.0, more = 1.0; // the greatest part that the joint bears lies between them
+        for (int k = 0; k < impulse_halvings; ++k) {
+            const double middle = 0.5 * (part + more);
+            (overloads(middle) ? more : part) = middle;
+        }
         for (uint32_t r = placed.first; r < placed.first + placed.count; ++r) {
             JointRow& row = rows_[r];
-            const double kept = row.impulse * std::clamp(part, 0.0, 1.0);
+            const double kept = row.impulse * part;
             apply(placed, row, kept - std::exchange(row.impulse, kept));
             row.active = false;
             row.frozen = true;
@@ -491,7 +545,7 @@ void JointSystem::sweep_rows(Solution solution) {
             if (!factored_ || entered) factor();
             if (first) set_targets();
             for (uint32_t i = 0; i < rows_.size(); ++i)
-                solution_[i] = rows_[i].active ? rows_[i].target - speed_of(placed_[joint_of_row_[i]], rows_[i]) : 0.0;
+                solution_[i] = rows_[i].active ? rows_[i].target - closing_of(i) : 0.0;
             matrix_.solve(solution_);
             for (uint32_t i = 0; i < rows_.size(); ++i) {
                 rows_[i].impulse += solution_[i];
@@ -537,7 +591,11 @@ void JointSystem::finish_substep() {
         }
     }
     for (DrivenBody& body : bodies_) body.angular_given += body.damping;
-    for (Placed& placed : placed_) placed.given += impulse_of(placed);
+    for (Placed& placed : placed_) {
+        const Push push = push_of(placed);
+        placed.given.impulse += push.impulse;
+        placed.given.moment += push.moment;
+    }
 }
 
 void JointSystem::store() const {
@@ -546,7 +604,7 @@ void JointSystem::store() const {
         body.body->unhindered.angular += glm::vec3(body.angular_given);
     }
     for (size_t i = 0; i < joints_.size(); ++i)
-        joints_[i]->force = static_cast<float>(glm::length(placed_[i].given) / step_seconds_);
+        joints_[i]->force = static_cast<float>(glm::length(placed_[i].given.impulse) / step_seconds_);
 }
 
 void JointSystem::correct() {

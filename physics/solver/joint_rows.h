@@ -3,6 +3,7 @@
 //
 //     ball      three rows along the world's axes: p_a - p_b = 0, p the anchors
 //     hinge     these, and two rows t . s = 0: s the axis on b, t two directions on a across its axis
+//     fixed     six rows: t . s = 0 for three pairs of directions
 //     distance  one row along the line between the anchors: |p_a - p_b| = length, or a bound of it
 //
 // - A system is solved directly, by the factor of J M^-1 J^T (skyline.h), and not row by row: a chain of any length
@@ -21,7 +22,8 @@
 // - Light links: a link under tension turns back faster than substeps can follow if h^2 k > I, k the tension times the
 //   arms. Such a link gets as much more inertia across its length as makes them equal, without the momentum of it: the
 //   rule of implicit integration, M' v' = M v + J^T lambda. It damps the link. Bodies of like mass never do.
-// - Redundant rows get no impulse: see Skyline::min_pivot.
+// - Redundant rows get no impulse: see Skyline::min_pivot. Those of fixed joints share the load: they yield a little,
+//   the stronger the less: J v + softness lambda = v_target. A millionth to a ten thousandth of what one row alone yields.
 //
 // J.-P. Ryckaert, G. Ciccotti and H. Berendsen, "Numerical Integration of the Cartesian Equations of Motion of a System
 // with Constraints", 1977 (SHAKE). M. Cline and D. Pai, "Post-Stabilization for Rigid Body Simulation with Contact and
@@ -53,9 +55,10 @@ struct SolverJoint {
     JointKind kind = JointKind::ball;
     Body *a = nullptr, *b = nullptr; // null: the world
     glm::vec3 anchor_a{0.0f}, anchor_b{0.0f};
-    glm::vec3 axis_a{0.0f}, axis_b{0.0f}; // of a hinge
-    float min_length = 0.0f, max_length = 0.0f, max_force = 0.0f;
-    bool collide = false;
+    glm::vec3 axis_a{0.0f}, axis_b{0.0f}; // of a hinge and a fixed joint
+    glm::vec3 up_a{0.0f}, up_b{0.0f};     // of a fixed joint
+    float min_length = 0.0f, max_length = 0.0f, max_force = 0.0f, max_torque = 0.0f;
+    bool bears_pressure = false, collide = false;
     // Results of the last step.
     float force = 0.0f; // N
     bool broken = false;
@@ -108,16 +111,21 @@ class JointSystem {
         glm::dvec3 way{0.0}, rotation{0.0};                 // displacement at the start of the substep, m and rad
         glm::dvec3 linear_given{0.0}, angular_given{0.0};   // change of velocity by the joints, in the substeps before
     };
+    // What a joint gives a: N s, and N m s about the anchor.
+    struct Push {
+        glm::dvec3 impulse{0.0}, moment{0.0};
+    };
     // J of a row; its parts for b belong to a speed against a's. `linear` acts on a, and against it on b.
     struct JointRow {
         glm::dvec3 linear{0.0}, angular_a{0.0}, angular_b{0.0};
         glm::dvec3 inverse_inertia_angular_a{0.0}, inverse_inertia_angular_b{0.0};
-        double error = 0.0;   // C
-        double gap = 0.0;     // m/s: the speed at which a bound that is not reached may close
-        double bend = 0.0;    // m/s: v_target of a joint without a gap
-        double before = 0.0;  // m/s: J v of the velocity before the step's gravity
-        double target = 0.0;  // v_target, m/s or rad/s
-        double impulse = 0.0; // lambda
+        double error = 0.0;    // C
+        double gap = 0.0;      // m/s: the speed at which a bound that is not reached may close
+        double bend = 0.0;     // m/s: v_target of a joint without a gap
+        double before = 0.0;   // m/s: J v of the velocity before the step's gravity
+        double target = 0.0;   // v_target, m/s or rad/s
+        double impulse = 0.0;  // lambda
+        double softness = 0.0; // of a fixed joint, m/s or rad/s by impulse; of active rows
         Bound bound = Bound::equal;
         bool active = true;
         bool frozen = false; // of a broken joint: the impulse stays
@@ -126,15 +134,15 @@ class JointSystem {
         uint32_t a = none, b = none;                   // driven bodies
         uint32_t first = 0, count = 0;                 // rows
         glm::dvec3 arm_a{0.0}, arm_b{0.0}, apart{0.0}; // from the centres to the anchors; from b's anchor to a's
-        glm::dvec3 axis{0.0};                          // s
-        std::array<glm::dvec3, 2> tangents{};          // t
-        // Of the frames of the bodies, before their displacement.
-        glm::dvec3 frame_arm_a{0.0}, frame_arm_b{0.0}, frame_axis{0.0};
-        std::array<glm::dvec3, 2> frame_tangents{};
-        glm::dvec3 given{0.0}; // N s, on a, in the substeps before
+        // Of the frames of the bodies, before their displacement: arms, and t and s of the angular rows.
+        glm::dvec3 frame_arm_a{0.0}, frame_arm_b{0.0};
+        std::array<glm::dvec3, 3> frame_on_a{}, frame_on_b{};
+        glm::dvec3 axis{0.0}; // of a fixed joint, on b
+        Push given;           // in the substeps before
     };
 
     void order();
+    void soften();
     void reset();
     void place_all();
     void place(uint32_t joint);
@@ -150,8 +158,10 @@ class JointSystem {
     bool release_pushing();
     bool break_overloaded();
     [[nodiscard]] double speed_of(const Placed& placed, const JointRow& row) const;
+    [[nodiscard]] double closing_of(uint32_t row) const;
     void apply(const Placed& placed, const JointRow& row, double impulse);
-    [[nodiscard]] glm::dvec3 impulse_of(const Placed& placed) const;
+    [[nodiscard]] Push push_of(const Placed& placed) const;
+    [[nodiscard]] double load_share(const SolverJoint& joint, const Placed& placed, const Push& push) const;
     [[nodiscard]] glm::dvec3 turn_of(uint32_t side, const glm::dvec3& rotation) const;
 
     std::vector<SolverJoint*> joints_;
@@ -159,7 +169,8 @@ class JointSystem {
     std::vector<Placed> placed_; // by joint
     std::vector<JointRow> rows_;
     std::vector<uint32_t> joint_of_row_;
-    std::vector<uint32_t> firsts_;                    // by row
+    std::vector<double> softness_; // by joint: the share by which the diagonal entries of its rows grow
+    std::vector<uint32_t> firsts_; // by row
     std::vector<double> solution_, steady_, bending_; // by row: change of impulse; parts of it
     double bend_share_ = 1.0;
     Skyline matrix_;

@@ -180,17 +180,19 @@ void Solver::add_joint(JointId id, const Joint& joint, const JointBodies& bodies
                      .anchor_b = joint.b.anchor,
                      .axis_a = joint.a.axis,
                      .axis_b = joint.b.axis,
+                     .up_a = joint.a.up,
+                     .up_b = joint.b.up,
                      .min_length = joint.min_length,
                      .max_length = joint.max_length,
                      .max_force = joint.max_force,
+                     .max_torque = joint.max_torque,
+                     .bears_pressure = joint.bears_pressure,
                      .collide = joint.collide};
     const auto to_frame = [](const Body* body, glm::vec3& v) {
         if (body) v = glm::conjugate(body->to_principal) * v;
     };
-    to_frame(made.a, made.anchor_a);
-    to_frame(made.a, made.axis_a);
-    to_frame(made.b, made.anchor_b);
-    to_frame(made.b, made.axis_b);
+    for (glm::vec3* v : {&made.anchor_a, &made.axis_a, &made.up_a}) to_frame(made.a, *v);
+    for (glm::vec3* v : {&made.anchor_b, &made.axis_b, &made.up_b}) to_frame(made.b, *v);
     joints_.add(made);
     for (Body* body : {made.a, made.b})
         if (body) wake(*body);

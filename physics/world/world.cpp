@@ -75,11 +75,12 @@ struct World::Impl {
         const Pose frame = frame_of(side);
         return frame.position + frame.orientation * side.anchor;
     }
-    // The side of a joint at a point and along an axis of the world.
-    [[nodiscard]] JointSide side_of(BodyId body, const glm::vec3& anchor, const glm::vec3& axis) const {
+    // The side of a joint at a point and along axes of the world.
+    [[nodiscard]] JointSide side_of(BodyId body, const glm::vec3& anchor, const glm::vec3& axis,
+                                    const glm::vec3& up) const {
         const Pose frame = frame_of({.body = body});
         const glm::quat to_body = glm::conjugate(frame.orientation);
-        return {body, to_body * (anchor - frame.position), to_body * axis};
+        return {body, to_body * (anchor - frame.position), to_body * axis, to_body * up};
     }
     [[nodiscard]] Pose interpolated_pose(size_t body, float alpha) const {
         const Pose now = engine->pose(body);
@@ -161,15 +162,19 @@ Result<JointId> World::add_joint(const JointDesc& desc) {
     if (desc.b != BodyId{} && !contains(desc.b)) return refused(text("its b, ", desc.b, ", is not in the world"));
     if (desc.a == desc.b) return refused(text("its a and b are both ", desc.a, "; leave b out for the world"));
     if (const std::string fault = fault_of(desc); !fault.empty()) return refused(fault);
-    const bool hinge = desc.kind == JointKind::hinge, distance = desc.kind == JointKind::distance;
-    const glm::vec3 axis = hinge ? glm::normalize(desc.axis) : glm::vec3(0.0f);
+    const bool fixed = desc.kind == JointKind::fixed, distance = desc.kind == JointKind::distance;
+    const glm::vec3 axis = fixed || desc.kind == JointKind::hinge ? glm::normalize(desc.axis) : glm::vec3(0.0f);
+    const glm::vec3 other = std::abs(axis.x) < 0.6f ? glm::vec3(1.0f, 0.0f, 0.0f) : glm::vec3(0.0f, 1.0f, 0.0f);
+    const glm::vec3 up = fixed ? glm::normalize(glm::cross(axis, other)) : glm::vec3(0.0f);
     ++impl_->next_joint;
     impl_->insert(id, {.kind = desc.kind,
-                       .a = impl_->side_of(desc.a, desc.anchor_a, axis),
-                       .b = impl_->side_of(desc.b, distance ? desc.anchor_b : desc.anchor_a, axis),
+                       .a = impl_->side_of(desc.a, desc.anchor_a, axis, up),
+                       .b = impl_->side_of(desc.b, distance ? desc.anchor_b : desc.anchor_a, axis, up),
                        .min_length = desc.min_length,
                        .max_length = desc.max_length,
                        .max_force = desc.max_force,
+                       .max_torque = desc.max_torque,
+                       .bears_pressure = desc.bears_pressure,
                        .collide = desc.collide});
     return id;
 }
@@ -220,7 +225,8 @@ std::vector<LooseJoint> World::take_joints(BodyId body) {
         const Joint& joint = impl_->joint(id);
         const bool second = joint.b.body == body;
         const JointSide& side = second ? joint.b : joint.a;
-        taken.push_back({id, joint, second, impl_->anchor_of(side), impl_->frame_of(side).orientation * side.axis});
+        const glm::quat turn = impl_->frame_of(side).orientation;
+        taken.push_back({id, joint, second, impl_->anchor_of(side), turn * side.axis, turn * side.up});
         remove_joint(id);
     }
     return taken;
@@ -230,7 +236,7 @@ bool World::put_joint(const LooseJoint& loose, BodyId piece) {
     Joint joint = loose.joint;
     const BodyId other = (loose.second ? joint.a : joint.b).body;
     if (!contains(piece) || other == piece || (other != BodyId{} && !contains(other))) return false;
-    (loose.second ? joint.b : joint.a) = impl_->side_of(piece, loose.anchor, loose.axis);
+    (loose.second ? joint.b : joint.a) = impl_->side_of(piece, loose.anchor, loose.axis, loose.up);
     impl_->insert(loose.id, joint);
     return true;
 }

@@ -117,7 +117,7 @@ struct JointId {
     friend auto operator<=>(JointId, JointId) = default;
 };
 std::ostream& operator<<(std::ostream& stream, JointId id);
-enum class JointKind : uint8_t { ball, hinge, distance };
+enum class JointKind : uint8_t { ball, hinge, distance, fixed };
 struct Joint;
 struct JointDesc;
 struct LooseJoint;

@@ -85,7 +85,9 @@ std::string fault_of(const JointDesc& desc) {
     constexpr float infinity = std::numeric_limits<float>::infinity();
     if (!finite(desc.anchor_a)) return "its anchor_a is not finite";
     if (!(desc.max_force > 0.0f)) return text("its max_force is ", desc.max_force, " N; it must be above 0");
-    if (desc.kind == JointKind::hinge && !(finite(desc.axis) && std::isnormal(glm::dot(desc.axis, desc.axis))))
+    if (!(desc.max_torque > 0.0f)) return text("its max_torque is ", desc.max_torque, " N m; it must be above 0");
+    const bool has_axis = desc.kind == JointKind::hinge || desc.kind == JointKind::fixed;
+    if (has_axis && !(finite(desc.axis) && std::isnormal(glm::dot(desc.axis, desc.axis))))
         return text("its axis (", desc.axis.x, ", ", desc.axis.y, ", ", desc.axis.z,
                     ") is no direction; give a finite vector with a length");
     if (desc.kind != JointKind::distance) return {};

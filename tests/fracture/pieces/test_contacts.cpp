@@ -133,6 +133,50 @@ TEST_CASE("the contact of two boxes is the rectangle that their faces share") {
     check_near(other[0].normal, {-1, 0, 0}, 1e-12);
 }
 
+TEST_CASE("a grid divides a contact into cells that have all of it") {
+    const TriangleMesh low = box({0, 0, 0}, {3, 1, 2}), high = box({0, 1, 0}, {3, 2, 2});
+    const auto divided = [&](const ContactGrid& grid, const TriangleMesh& a, const TriangleMesh& b) {
+        return contacts({a, b}, {.grid = [&](uint32_t, uint32_t) { return grid; }});
+    };
+    // Six squares of 1 m; the height of the face, a multiple of the size too, divides nothing.
+    const std::vector<Bond> squares = divided({{0, 0, 0}, 1.0}, low, high);
+    REQUIRE(squares.size() == 6);
+    glm::dvec3 sum(0.0);
+    for (const Bond& bond : squares) {
+        CHECK(bond.area == doctest::Approx(1.0).epsilon(1e-12));
+        check_near(bond.centroid - glm::floor(bond.centroid), {0.5, 0.0, 0.5}, 1e-9);
+        check_near(bond.normal, {0, 1, 0}, 1e-12);
+        sum += bond.centroid;
+    }
+    check_near(sum / 6.0, {1.5, 1.0, 1.0}, 1e-12);
+    // A border of the grid that is off by rounding makes no sliver.
+    CHECK(divided({{1e-9, 0, -1e-9}, 1.0}, low, high).size() == 6);
+    CHECK(divided({{0, 0, 0}, 5.0}, low, high).size() == 1);
+    // Turned, with cells that the face does not fill: the sums are those of the undivided contact.
+    const glm::dmat3 map = turn({1, 2, -1}, 0.7);
+    const TriangleMesh a = mapped(low, map, {5, -3, 1}), b = mapped(high, map, {5, -3, 1});
+    const Bond whole = contacts({a, b}).at(0);
+    const std::vector<Bond> cells = divided({{0.3, 0.1, 0.2}, 0.7}, a, b);
+    CHECK(cells.size() > 6);
+    double area = 0.0;
+    glm::dvec3 moment(0.0);
+    for (const Bond& bond : cells) {
+        area += bond.area;
+        moment += bond.area * bond.centroid;
+        CHECK(bond.area <= 0.7 * 0.7 * std::sqrt(3.0));
+        check_near(bond.normal, whole.normal, 1e-12);
+    }
+    CHECK(area == doctest::Approx(whole.area).epsilon(1e-12));
+    check_near(moment / area, whole.centroid, 1e-11);
+    for (const double size : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN(), 1e-9, 0.001}) {
+        CAPTURE(size);
+        const auto grid = [&](uint32_t, uint32_t) { return ContactGrid{{}, size}; };
+        const auto found = find_contacts(surfaces_of({low, high}), {.grid = grid});
+        REQUIRE_FALSE(found);
+        CHECK(found.error().status == Status::invalid_setting);
+    }
+}
+
 TEST_CASE("rotated, mirrored, scaled and far from the origin a contact is the same") {
     Random random(7);
     for (int k = 0; k < 60; ++k) {

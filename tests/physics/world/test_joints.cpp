@@ -12,6 +12,7 @@
 
 #include "physics/world/world.h"
 #include "tests/physics/bodies.h"
+#include "tests/physics/joints.h"
 
 using namespace brittle;
 using namespace brittle::physics;
@@ -21,24 +22,10 @@ namespace {
 
 constexpr float nan_value = std::numeric_limits<float>::quiet_NaN();
 constexpr float infinity = std::numeric_limits<float>::infinity();
-constexpr float g = 9.81f;
-
-const WorldSettings in_vacuum{.ground_height = std::nullopt, .air_density = 0.0f, .sleeping = false};
-
-JointId must_join(World& world, const JointDesc& desc) {
-    const Result<JointId> id = world.add_joint(desc);
-    REQUIRE_MESSAGE(id.has_value(), (id ? std::string() : id.error().message));
-    return *id;
-}
 
 glm::vec3 at(const World& world, BodyId body, const glm::vec3& local) {
     const Pose pose = world.pose(body);
     return pose.position + pose.orientation * local;
-}
-
-// m, between the two anchors.
-float opening(const World& world, JointId joint) {
-    return glm::length(world.joint_anchor(joint, true) - world.joint_anchor(joint, false));
 }
 
 // A cube on a rod of length 1 m to the origin, that makes an angle with the vertical.
@@ -101,6 +88,9 @@ TEST_CASE("joints: what a joint lacks or has too much of is named") {
         {{.kind = Kind::hinge, .a = a, .axis = {0, 0, 0}}, "axis"},
         {{.kind = Kind::hinge, .a = a, .axis = {0, infinity, 0}}, "axis"},
         {{.kind = Kind::hinge, .a = a, .axis = {1e-30f, 0, 0}}, "axis"},
+        {{.kind = Kind::fixed, .a = a, .axis = {0, 0, 0}}, "axis"},
+        {{.kind = Kind::fixed, .a = a, .max_torque = 0.0f}, "max_torque"},
+        {{.kind = Kind::fixed, .a = a, .max_torque = nan_value}, "max_torque"},
         {{.kind = Kind::distance, .a = a, .anchor_b = {nan_value, 0, 0}, .max_length = 1.0f}, "anchor_b"},
         {{.kind = Kind::distance, .a = a}, "max_length"},
         {{.kind = Kind::distance, .a = a, .max_length = 0.0f}, "max_length"},
@@ -338,7 +328,7 @@ TEST_CASE("joints: bodies that only joints connect keep momentum, angular moment
 }
 
 TEST_CASE("joints: a joint holds a weight below its greatest force, and breaks above it") {
-    for (const JointKind kind : {JointKind::ball, JointKind::hinge, JointKind::distance})
+    for (const JointKind kind : joint_kinds)
         for (const bool holds : {true, false}) {
             World world(in_vacuum);
             const BodyId body = must_add(world, box(glm::vec3(0.1f), 10.0f, {0, -1, 0}));

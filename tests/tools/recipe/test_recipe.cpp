@@ -90,6 +90,7 @@ FractureOptions everything() {
                                  .max_force = 1e4,
                                  .link_radius = 0.02},
                                 {.kind = physics::JointKind::hinge, .at = {1, 1, 1}},
+                                {.kind = physics::JointKind::fixed, .at = {1, 0, 1}, .max_torque = 20.0},
                                 {.to = {0, 1, 0}, .links = 7}}};
     options.strikes = {{{0.1, 0.2, 1.0 / 3.0}, {0.0, 1.0, 0.0}, 0.25, 9}, {}};
     options.picture = {.every = 4,
@@ -420,9 +421,11 @@ TEST_CASE("recipe: an unknown key or a bad value is named by its path, with what
     says(R"({"brittle": 1, "world": {"anchors": [{"at": [0, 0, 0], "size": 1}]}})", "/world/anchors/0");
     says(R"({"brittle": 1, "world": {"joints": {}}})", "/world/joints: expected a list");
     says(R"({"brittle": 1, "world": {"joints": [{"kind": "glue"}]}})",
-         "/world/joints/0/kind: expected \"ball\", \"hinge\" or \"distance\", found \"glue\"");
+         "/world/joints/0/kind: expected \"ball\", \"hinge\", \"distance\" or \"fixed\", found \"glue\"");
     says(R"({"brittle": 1, "world": {"joints": [{"kind": "ball"}, {"at": [1, 0, 0]}, {"at": [0, 0, 0]}]}})",
          "/world/joints/2/to: is where \"at\" is");
+    says(R"({"brittle": 1, "world": {"joints": [{"kind": "hinge", "max_torque": 1}]}})",
+         "/world/joints/0/max_torque: only a fixed joint breaks by torque");
     says(R"({"brittle": 1, "world": {"joints": [{"kind": "hinge", "axis": [0, 0, 0]}]}})",
          "/world/joints/0/axis: expected a direction");
     says(R"({"brittle": 1, "world": {"joints": [{"to": [0, 1, 0], "min_length": 2, "max_length": 1}]}})",
@@ -589,7 +592,10 @@ TEST_CASE("recipe: the schema lists exactly the keys that are written and read")
     for (const auto& [key, value] : all["world"]["anchors"][0].items()) CHECK(of_anchor.contains(key));
     const auto& of_joint = schema["properties"]["world"]["properties"]["joints"]["items"]["properties"];
     const auto& joints = all["world"]["joints"];
-    for (const auto& [key, value] : of_joint.items()) CHECK((joints[0].contains(key) || joints[2].contains(key)));
+    for (const auto& [key, value] : of_joint.items()) {
+        const std::string& name = key; // clang 14 captures no structured binding
+        CHECK(std::ranges::any_of(joints, [&](const auto& joint) { return joint.contains(name); }));
+    }
     for (const auto& joint : joints)
         for (const auto& [key, value] : joint.items()) CHECK(of_joint.contains(key));
     const auto& of_brick = schema["properties"]["world"]["properties"]["brick"]["properties"];

@@ -29,16 +29,9 @@ bool fits_pattern(std::string_view pattern, std::string_view text) {
 }
 
 std::string refusal_of_glue(const SceneObject& object) {
-    const WorldOptions& world = object.recipe.world;
-    if (object.fixed || world.bonded) return {};
-    const std::string name = "the object " + fracture::quoted(std::string_view(object.name));
-    if (object.shattered || object.in_pieces)
-        return name + " is loose pieces, which glue does not hold; make it \"bonded\": true";
-    if (world.breakable)
-        return name
-               + " starts whole, and a blow that cuts it would have to divide its glue; cut it at the start with "
-                 "\"bonded\": true, or keep it whole with \"breakable\": false";
-    return {};
+    if (object.fixed || object.recipe.world.bonded || !(object.shattered || object.in_pieces)) return {};
+    return "the object " + fracture::quoted(std::string_view(object.name))
+           + " is loose pieces, which glue does not hold; make it \"bonded\": true";
 }
 
 void follow_objects(std::vector<Glue>& glue, const std::vector<SceneObject>& before,

@@ -24,14 +24,15 @@ struct Glue {
 };
 
 inline constexpr size_t max_glue = 1000; // entries of a scene
+// Contacts that hold objects together of which one starts whole and breaks; of one group of such objects.
+inline constexpr size_t max_glue_joints = 100;
 inline constexpr double min_glue_strength = 1e-6, max_glue_strength = 1e6;
 
 // Returns whether a text fits a pattern, in which * stands for any text and ? for any byte. Linear memory, and time
 // bounded by the product of the lengths.
 [[nodiscard]] bool fits_pattern(std::string_view pattern, std::string_view text);
 
-// Returns why an object cannot be glued, and what to do, for people; empty where it can. What is fixed, bonded, or
-// whole and never cut can be.
+// Returns why an object cannot be glued, and what to do, for people; empty where it can. Loose pieces cannot be.
 [[nodiscard]] std::string refusal_of_glue(const SceneObject& object);
 
 // Follows an edit of the objects: a pattern that was the name of one object follows its new name, and entries that fit

@@ -43,6 +43,7 @@ Json joint_json(const JointOptions& joint) {
     if (joint.min_length != plain.min_length) json["min_length"] = joint.min_length;
     if (joint.max_length) json["max_length"] = *joint.max_length;
     if (joint.max_force != plain.max_force) json["max_force"] = joint.max_force;
+    if (joint.max_torque != plain.max_torque) json["max_torque"] = joint.max_torque;
     if (joint.links != plain.links) json["links"] = joint.links;
     if (joint.link_radius != plain.link_radius) json["link_radius"] = joint.link_radius;
     return json;
@@ -186,10 +187,9 @@ void read_engine(JsonReader& reader, physics::EngineKind& engine) {
 physics::JointKind joint_kind(JsonReader& reader) {
     std::string name = physics::to_string(JointOptions{}.kind);
     reader.text("kind", name);
-    for (const physics::JointKind kind :
-         {physics::JointKind::ball, physics::JointKind::hinge, physics::JointKind::distance})
+    for (const physics::JointKind kind : physics::joint_kinds)
         if (name == physics::to_string(kind)) return kind;
-    throw reader.failure("kind", "expected \"ball\", \"hinge\" or \"distance\", found " + shown(name));
+    throw reader.failure("kind", "expected \"ball\", \"hinge\", \"distance\" or \"fixed\", found " + shown(name));
 }
 
 void read_joint(JsonReader& reader, JointOptions& joint) {
@@ -203,6 +203,7 @@ void read_joint(JsonReader& reader, JointOptions& joint) {
     reader.number("min_length", joint.min_length, 0.0, longest);
     if (reader.find("max_length")) reader.number("max_length", joint.max_length.emplace(), 0.001, longest);
     reader.number("max_force", joint.max_force, 0.0, 1e12);
+    reader.number("max_torque", joint.max_torque, 0.0, 1e12);
     reader.whole("links", joint.links, 0, max_links);
     reader.number("link_radius", joint.link_radius, 0.001, 1.0);
     if (joint.kind == physics::JointKind::hinge && glm::length(joint.axis) < 1e-6)
@@ -210,6 +211,8 @@ void read_joint(JsonReader& reader, JointOptions& joint) {
                              "expected a direction, such as [0, 1, 0], found " + shown(vector_json(joint.axis)));
     if (joint.max_length && *joint.max_length < joint.min_length)
         throw reader.failure("max_length", "is below min_length, " + std::to_string(joint.min_length) + " m");
+    if (joint.max_torque > 0.0 && joint.kind != physics::JointKind::fixed)
+        throw reader.failure("max_torque", "only a fixed joint breaks by torque; give \"kind\": \"fixed\"");
     if (joint.links > 0 && joint.kind != physics::JointKind::distance)
         throw reader.failure("links", "only a distance joint has links; give \"kind\": \"distance\"");
     if (joint.links > 0 && (joint.max_length || joint.min_length > 0.0))

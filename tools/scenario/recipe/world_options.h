@@ -50,6 +50,7 @@ struct JointOptions {
     double min_length = 0.0;            // m
     std::optional<double> max_length{}; // m; empty: the distance at the start
     double max_force = 0.0;             // N; 0: it never breaks
+    double max_torque = 0.0;            // N m, of a fixed joint; 0: it never breaks
     // A distance joint as a chain of balls, each jointed to the next, that collide and can be shot. It is as long as
     // its ends are apart at the start. From a shot ball it hangs at the surface.
     uint32_t links = 0;

@@ -46,6 +46,8 @@ struct PreparedGlue {
     glm::dvec3 centroid{0.0}; // in the world, for the places of both
     glm::dvec3 normal{0.0};   // unit, towards the other
     float strength = 1.0f;    // multiple of that of the weaker material
+    // Held by a fixed joint, since one of the objects starts whole and breaks; else by a bond of their structure.
+    bool by_joint = false;
 };
 
 struct PreparedObject {
@@ -61,6 +63,8 @@ struct PreparedObject {
     std::vector<PreparedGlue> glue{}; // set by find_glue() (scene_glue.h); copy_of() leaves it out
 
     [[nodiscard]] bool fixed() const { return surface != nullptr; }
+    // Whether blows cut the object, or its separate parts, from whole.
+    [[nodiscard]] bool breaks_from_whole() const { return !fixed() && !rigid && !world.bonded; }
 };
 
 // A physics::PayloadMaker that is also given the looks of the object, or null.

@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <limits>
+#include <numbers>
 #include <optional>
+#include <tuple>
 #include <utility>
 
 #include <glm/common.hpp>
@@ -23,6 +26,8 @@ namespace {
 using fracture::TriangleMesh;
 
 constexpr uint32_t none = UINT32_MAX;
+// Cells of a contact by joints, along the longest side of the object that breaks: a blow takes a part of them with it.
+constexpr double cells_per_object = 2.0;
 constexpr size_t max_measured_pairs = 1'000'000; // of one entry, for the note how far apart its objects are
 
 // Which entry of the glue decides for a pair of objects.
@@ -157,16 +162,77 @@ std::string reason_of(const LoadedScene& scene, const Entries& entries, size_t e
     return name_of(a) + " and " + name_of(b) + " have no faces against each other: " + apart;
 }
 
+// The grid of contacts between two objects: in the box of the smaller one that starts whole and breaks.
+fracture::ContactGrid grid_of(const LoadedScene& scene, std::span<const PreparedObject> objects, uint32_t i,
+                              uint32_t j) {
+    fracture::ContactGrid grid;
+    for (const uint32_t k : {i, j}) {
+        const fracture::Box& box = scene.objects[k].box;
+        const double size = std::max({box.size().x, box.size().y, box.size().z}) / cells_per_object;
+        if (objects[k].breaks_from_whole() && size < grid.size) grid = {box.min, size};
+    }
+    return grid;
+}
+
+// The contacts of objects. Those by joints with several pieces of a structure are one in each cell: the piece with most
+// of it holds the joint.
+class Contacts {
+  public:
+    explicit Contacts(std::span<PreparedObject> objects) : objects_(objects) {}
+
+    void add(uint32_t own, const PreparedGlue& contact, const fracture::ContactGrid& grid) {
+        PreparedObject& object = objects_[own];
+        if (!contact.by_joint) {
+            object.glue.push_back(contact);
+            return;
+        }
+        const auto whole = [&](uint32_t k, uint32_t piece) { return objects_[k].breaks_from_whole() ? piece : none; };
+        const glm::dvec3 cell = glm::floor((contact.centroid - grid.origin) / grid.size);
+        const auto [at, is_new] =
+            joints_.try_emplace({own, whole(own, contact.piece), contact.other,
+                                 whole(contact.other, contact.other_piece), cell.x, cell.y, cell.z},
+                                Joint{object.glue.size(), contact.area});
+        if (is_new) {
+            object.glue.push_back(contact);
+            return;
+        }
+        PreparedGlue& joint = object.glue[at->second.index];
+        const double area = joint.area + contact.area;
+        const glm::dvec3 centroid = (joint.area * joint.centroid + contact.area * contact.centroid) / area;
+        if (contact.area > at->second.largest) {
+            at->second.largest = contact.area;
+            joint = contact;
+        }
+        joint.area = area;
+        joint.centroid = centroid;
+    }
+
+  private:
+    struct Joint {
+        size_t index;   // into the glue of its object
+        double largest; // m^2, of its contacts
+    };
+    std::span<PreparedObject> objects_;
+    std::map<std::tuple<uint32_t, uint32_t, uint32_t, uint32_t, double, double, double>, Joint> joints_;
+};
+
 // The contacts between objects whose pair one entry of this tolerance decides on.
 void add_contacts(const LoadedScene& scene, const Surfaces& surfaces, double tolerance, Entries& entries,
                   std::span<PreparedObject> objects, std::vector<bool>& has_effect) {
     const auto entry_of = [&](uint32_t a, uint32_t b) {
         return entries.of(surfaces.owners[a].first, surfaces.owners[b].first);
     };
-    const fracture::ContactSettings settings{.tolerance = tolerance, .wanted = [&](uint32_t a, uint32_t b) {
-                                                 const uint32_t entry = entry_of(a, b);
-                                                 return entry != none && scene.glue[entry].tolerance == tolerance;
-                                             }};
+    const auto grid = [&](uint32_t a, uint32_t b) {
+        return grid_of(scene, objects, surfaces.owners[a].first, surfaces.owners[b].first);
+    };
+    const fracture::ContactSettings settings{.tolerance = tolerance,
+                                             .wanted =
+                                                 [&](uint32_t a, uint32_t b) {
+                                                     const uint32_t entry = entry_of(a, b);
+                                                     return entry != none && scene.glue[entry].tolerance == tolerance;
+                                                 },
+                                             .grid = grid};
+    Contacts all(objects);
     for (const fracture::Bond& contact : must(fracture::find_contacts(surfaces.pieces, settings))) {
         auto own = surfaces.owners[contact.b], other = surfaces.owners[contact.a];
         glm::dvec3 to_other = -contact.normal;
@@ -174,11 +240,53 @@ void add_contacts(const LoadedScene& scene, const Surfaces& surfaces, double tol
             std::swap(own, other);
             to_other = contact.normal;
         }
-        objects[own.first].glue.push_back({own.second, other.first, other.second, contact.area, contact.centroid,
-                                           to_other,
-                                           static_cast<float>(scene.glue[entry_of(contact.a, contact.b)].strength)});
+        all.add(own.first,
+                {own.second, other.first, other.second, contact.area, contact.centroid, to_other,
+                 static_cast<float>(scene.glue[entry_of(contact.a, contact.b)].strength),
+                 objects[own.first].breaks_from_whole() || objects[other.first].breaks_from_whole()},
+                grid(contact.a, contact.b));
         for (size_t entry = 0; entry < scene.glue.size(); ++entry)
             if (!has_effect[entry] && entries.glues(entry, own.first, other.first)) has_effect[entry] = true;
+    }
+}
+
+// The groups that glue by joints, or else by bonds, holds together, by their first members. What is fixed joins none.
+std::map<uint32_t, std::vector<uint32_t>> groups_of(std::span<const PreparedObject> objects, bool by_joint) {
+    std::vector<uint32_t> leader(objects.size()); // union-find; the lowest object leads
+    for (uint32_t k = 0; k < objects.size(); ++k) leader[k] = k;
+    const auto leader_of = [&](uint32_t k) {
+        while (leader[k] != k) k = leader[k] = leader[leader[k]];
+        return k;
+    };
+    std::vector<bool> is_glued(objects.size(), false);
+    for (uint32_t k = 0; k < objects.size(); ++k)
+        for (const PreparedGlue& contact : objects[k].glue) {
+            if (contact.by_joint != by_joint) continue;
+            is_glued[k] = true;
+            if (objects[contact.other].fixed()) continue;
+            is_glued[contact.other] = true;
+            const uint32_t a = leader_of(k), b = leader_of(contact.other);
+            leader[std::max(a, b)] = std::min(a, b);
+        }
+    std::map<uint32_t, std::vector<uint32_t>> groups;
+    for (uint32_t k = 0; k < objects.size(); ++k)
+        if (is_glued[k]) groups[leader_of(k)].push_back(k);
+    return groups;
+}
+
+// The joints of a group are solved together, in a time that grows faster than their number.
+void check_joints(std::span<const PreparedObject> objects) {
+    for (const auto& [first, members] : groups_of(objects, true)) {
+        size_t joints = 0;
+        for (const uint32_t k : members)
+            joints += static_cast<size_t>(std::ranges::count(objects[k].glue, true, &PreparedGlue::by_joint));
+        if (joints > max_glue_joints)
+            throw Failure(exit_input, "/glue: " + std::to_string(members.size())
+                                          + " objects that start whole and break are glued to each other by "
+                                          + std::to_string(joints) + " contacts; at most "
+                                          + std::to_string(max_glue_joints)
+                                          + " can hold one group; cut some at the start with \"bonded\": true, or keep them whole "
+                                            "with \"breakable\": false");
     }
 }
 
@@ -198,29 +306,30 @@ std::vector<std::string> find_glue(const LoadedScene& scene, std::span<PreparedO
     for (size_t entry = 0; entry < scene.glue.size(); ++entry)
         if (!has_effect[entry])
             notes.push_back("/glue/" + std::to_string(entry) + " glues nothing: " + reason_of(scene, entries, entry));
+    check_joints(objects);
     return notes;
 }
 
 std::map<uint32_t, std::vector<uint32_t>> glued_groups(std::span<const PreparedObject> objects) {
-    std::vector<uint32_t> leader(objects.size()); // union-find; the lowest object leads
-    for (uint32_t k = 0; k < objects.size(); ++k) leader[k] = k;
-    const auto leader_of = [&](uint32_t k) {
-        while (leader[k] != k) k = leader[k] = leader[leader[k]];
-        return k;
-    };
-    std::vector<bool> is_glued(objects.size(), false);
-    for (uint32_t k = 0; k < objects.size(); ++k)
-        for (const PreparedGlue& contact : objects[k].glue) {
-            is_glued[k] = true;
-            if (objects[contact.other].fixed()) continue;
-            is_glued[contact.other] = true;
-            const uint32_t a = leader_of(k), b = leader_of(contact.other);
-            leader[std::max(a, b)] = std::min(a, b);
-        }
-    std::map<uint32_t, std::vector<uint32_t>> groups;
-    for (uint32_t k = 0; k < objects.size(); ++k)
-        if (is_glued[k]) groups[leader_of(k)].push_back(k);
-    return groups;
+    return groups_of(objects, false);
+}
+
+physics::JointDesc glue_joint(std::span<const PreparedObject> objects, const PreparedObject& object,
+                              const PreparedGlue& contact, physics::BodyId a, physics::BodyId b) {
+    const PreparedObject& other = objects[contact.other];
+    double strength = static_cast<double>(flawed_material(object).tensile); // Pa
+    if (!other.fixed() || !other.material.empty())
+        strength = std::min(strength, static_cast<double>(flawed_material(other).tensile));
+    strength *= static_cast<double>(contact.strength);
+    const double section_modulus = std::pow(contact.area, 1.5) / (4.0 * std::sqrt(std::numbers::pi)); // m^3, of a disc
+    return {.kind = physics::JointKind::fixed,
+            .a = a,
+            .b = b,
+            .anchor_a = glm::vec3(contact.centroid),
+            .axis = glm::vec3(contact.normal),
+            .max_force = static_cast<float>(strength * contact.area),
+            .max_torque = static_cast<float>(strength * section_modulus),
+            .bears_pressure = true};
 }
 
 } // namespace brittle::tools

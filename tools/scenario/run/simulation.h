@@ -166,6 +166,7 @@ class Simulation {
         physics::AssemblyId assembly;
         uint32_t part = 0;
     };
+    void start_glue(std::span<const PreparedObject> objects);
     void start_joints(std::span<const PreparedObject> objects, const WorldOptions& options);
     void join(const PlacedJoint& joint, physics::BodyId a);
     void join_shot(const glm::dvec3& at);

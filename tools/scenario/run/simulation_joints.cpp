@@ -3,6 +3,7 @@
 
 #include <limits>
 #include <numbers>
+#include <vector>
 
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
@@ -10,6 +11,7 @@
 #include "fracture/mesh/nearest.h"
 #include "fracture/shapes/shapes.h"
 #include "tools/scenario/base/failure.h"
+#include "tools/scenario/run/scene_glue.h"
 
 namespace brittle::tools {
 
@@ -70,7 +72,24 @@ std::optional<uint32_t> Simulation::nearest_piece(std::span<const PreparedObject
     return nearest;
 }
 
+// Joints of glue, in the order of the objects.
+void Simulation::start_glue(std::span<const PreparedObject> objects) {
+    std::vector<uint32_t> first; // piece, by object
+    uint32_t count = 0;
+    for (const PreparedObject& object : objects) {
+        first.push_back(count);
+        count += object.fixed() ? 1 : static_cast<uint32_t>(object.fragments->pieces.size());
+    }
+    for (uint32_t k = 0; k < objects.size(); ++k)
+        for (const PreparedGlue& contact : objects[k].glue) {
+            if (!contact.by_joint) continue;
+            const BodyId a = body_of(first[k] + contact.piece), b = body_of(first[contact.other] + contact.other_piece);
+            (void)must(world_.add_joint(glue_joint(objects, objects[k], contact, a, b)));
+        }
+}
+
 void Simulation::start_joints(std::span<const PreparedObject> objects, const WorldOptions& options) {
+    start_glue(objects);
     const glm::dvec3 foot(0.0, foot_height(options), 0.0);
     for (size_t i = 0; i < options.joints.size(); ++i) {
         PlacedJoint joint{.options = options.joints[i]};
@@ -104,6 +123,7 @@ void Simulation::join(const PlacedJoint& joint, BodyId a) {
                             .anchor_b = glm::vec3(options.to),
                             .axis = glm::vec3(options.axis)};
     if (options.max_force > 0.0) desc.max_force = static_cast<float>(options.max_force);
+    if (options.max_torque > 0.0) desc.max_torque = static_cast<float>(options.max_torque);
     if (options.kind != physics::JointKind::distance) {
         (void)must(world_.add_joint(desc));
         return;
