@@ -165,7 +165,15 @@ BRITTLE_API brittle_status brittle_mesh_save_memory(const brittle_mesh* mesh, co
 
 enum {
     BRITTLE_MESH_POSITIONS = 1, /* n x 3 FLOAT64, m */
-    BRITTLE_MESH_TRIANGLES = 2  /* t x 3 UINT32 */
+    BRITTLE_MESH_TRIANGLES = 2, /* t x 3 UINT32 */
+    /* Of the corners of the triangles: corner k of triangle t is row 3t + k. No rows where there are none. */
+    BRITTLE_MESH_NORMALS = 3, /* 3t x 3 FLOAT32, unit; zero where a corner has none */
+    BRITTLE_MESH_UV = 4,      /* 3t x 2 FLOAT32, v down */
+    BRITTLE_MESH_UV2 = 5,     /* 3t x 2 FLOAT32, v down */
+    BRITTLE_MESH_COLOURS = 6, /* 3t x 4 FLOAT32, linear, with opacity */
+    /* t x 1 UINT32: the number of the material in the file or the arrays, or BRITTLE_NO_MATERIAL; no rows where no
+     * triangle has one */
+    BRITTLE_MESH_MATERIALS = 7
 };
 BRITTLE_API brittle_status brittle_mesh_array(const brittle_mesh* mesh, uint32_t which, brittle_array* out,
                                               brittle_error* error);

@@ -227,16 +227,29 @@ brittle_status brittle_mesh_save_memory(const brittle_mesh* mesh, const char* na
 brittle_status brittle_mesh_array(const brittle_mesh* mesh, uint32_t which, brittle_array* out, brittle_error* error) {
     return guarded(error, [&] {
         need(out, "out");
-        const fracture::TriangleMesh& triangles = need(mesh, "mesh").model->mesh;
+        const fracture::Model& model = *need(mesh, "mesh").model;
         switch (which) {
         case BRITTLE_MESH_POSITIONS:
-            *out = c::view<double>(triangles.positions);
+            *out = c::view<double>(model.mesh.positions);
             return;
         case BRITTLE_MESH_TRIANGLES:
-            *out = c::view<uint32_t>(triangles.triangles);
+            *out = c::view<uint32_t>(model.mesh.triangles);
+            return;
+        case BRITTLE_MESH_NORMALS:
+            *out = c::view<float>(model.normals);
+            return;
+        case BRITTLE_MESH_UV:
+        case BRITTLE_MESH_UV2:
+            *out = c::view<float>(model.uv[which - BRITTLE_MESH_UV]);
+            return;
+        case BRITTLE_MESH_COLOURS:
+            *out = c::view<float>(model.colours);
+            return;
+        case BRITTLE_MESH_MATERIALS:
+            *out = c::view<uint32_t>(model.material_of);
             return;
         default:
-            c::refuse_which(which, BRITTLE_MESH_TRIANGLES);
+            c::refuse_which(which, BRITTLE_MESH_MATERIALS);
         }
     });
 }

@@ -34,6 +34,11 @@ public static unsafe class Brittle
     public const uint BRITTLE_UINT32 = 4;
     public const uint BRITTLE_MESH_POSITIONS = 1;
     public const uint BRITTLE_MESH_TRIANGLES = 2;
+    public const uint BRITTLE_MESH_NORMALS = 3;
+    public const uint BRITTLE_MESH_UV = 4;
+    public const uint BRITTLE_MESH_UV2 = 5;
+    public const uint BRITTLE_MESH_COLOURS = 6;
+    public const uint BRITTLE_MESH_MATERIALS = 7;
     public const uint BRITTLE_SITE_POSITIONS = 1;
     public const uint BRITTLE_SITE_WEIGHTS = 2;
     public const uint BRITTLE_SITE_GROUPS = 3;

@@ -80,8 +80,12 @@ static void test_meshes(void) {
     brittle_mesh_arrays arrays = tetrahedron_arrays();
     double moved[12][3]; /* a triangle soup of doubles */
     int k;
-    brittle_mesh *mesh = NULL, *soup = NULL, *again = NULL, *mended = NULL;
-    brittle_array positions, triangles;
+    static const float normals[4][3] = {{0, 0, -1}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    static const float uv[4][2] = {{0, 0}, {1, 0}, {0, 1}, {0.5f, 0.25f}};
+    static const uint16_t materials[4] = {3, 0, 0, 1};
+    uint32_t which;
+    brittle_mesh *mesh = NULL, *soup = NULL, *again = NULL, *mended = NULL, *painted = NULL;
+    brittle_array positions, triangles, looks;
     brittle_files* files = NULL;
     brittle_text* report = NULL;
     brittle_inspection inspection;
@@ -95,6 +99,27 @@ static void test_meshes(void) {
     CHECK(((const double*)positions.data)[11] == 1.0);
     CHECK(brittle_mesh_array(mesh, BRITTLE_MESH_TRIANGLES, &triangles, NULL) == BRITTLE_OK);
     CHECK(triangles.rows == 4 && ((const uint32_t*)triangles.data)[1] == 2);
+    for (which = BRITTLE_MESH_NORMALS; which <= BRITTLE_MESH_MATERIALS; ++which) {
+        CHECK(brittle_mesh_array(mesh, which, &looks, NULL) == BRITTLE_OK);
+        CHECK(looks.rows == 0);
+    }
+    arrays.normals = array_of(BRITTLE_FLOAT32, 3, 4, normals);
+    arrays.uv = array_of(BRITTLE_FLOAT32, 2, 4, uv);
+    arrays.materials = array_of(BRITTLE_UINT16, 1, 4, materials);
+    CHECK(brittle_mesh_from_arrays(&arrays, &painted, NULL) == BRITTLE_OK);
+    CHECK(brittle_mesh_array(painted, BRITTLE_MESH_NORMALS, &looks, NULL) == BRITTLE_OK);
+    CHECK(looks.type == BRITTLE_FLOAT32 && looks.rows == 12 && looks.columns == 3);
+    for (k = 0; k < 36; ++k) CHECK(((const float*)looks.data)[k] == normals[faces[k / 3]][k % 3]);
+    CHECK(brittle_mesh_array(painted, BRITTLE_MESH_UV, &looks, NULL) == BRITTLE_OK);
+    CHECK(looks.type == BRITTLE_FLOAT32 && looks.rows == 12 && looks.columns == 2);
+    for (k = 0; k < 12; ++k) {
+        CHECK(((const float*)looks.data)[2 * k] == uv[faces[k]][0]);
+        CHECK(((const float*)looks.data)[2 * k + 1] == uv[faces[k]][1]);
+    }
+    CHECK(brittle_mesh_array(painted, BRITTLE_MESH_MATERIALS, &looks, NULL) == BRITTLE_OK);
+    CHECK(looks.type == BRITTLE_UINT32 && looks.rows == 4 && looks.columns == 1);
+    for (k = 0; k < 4; ++k) CHECK(((const uint32_t*)looks.data)[k] == materials[k]);
+    brittle_mesh_free(painted);
 
     for (k = 0; k < 12; ++k) {
         moved[k][0] = (double)tetrahedron[faces[k]][0];

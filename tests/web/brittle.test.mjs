@@ -7,6 +7,7 @@ import path from "node:path";
 import test from "node:test";
 
 import { BrittleError, Mesh, fracture, init, load, shape, version } from "../../build/web/brittle-fracture/brittle.js";
+import { column } from "./column.mjs";
 
 const ROOT = new URL("../../", import.meta.url).pathname;
 const BUNNY = "/usr/share/glmark2/models/bunny.obj";
@@ -102,6 +103,36 @@ test("buffers for drawing, and export", async () => {
     assert.equal(new TextDecoder().decode(glb.subarray(0, 4)), "glTF");
     const back = await load(glb, ".glb");
     assert.ok(Math.abs(volume(back.positions, back.triangles) - broken.certificate.volumeSum) < 1e-4);
+});
+
+test("a mesh gives the normals, texture coordinates, colours and materials of its file", async () => {
+    const mesh = await load(column(Buffer.from("no image")), ".glb");
+    const { positions, triangles, normals, uv, materials } = mesh;
+    assert.equal(positions.length, 3 * 8); // welded, but the corners stay apart
+    assert.deepEqual([...materials], [1, 1, 1, 1, 1, 1, 1, 1, 0, 0, 0, 0]);
+    for (let corner = 0; corner < triangles.length; ++corner) {
+        if (materials[Math.floor(corner / 3)] === 1) assert.equal(uv[2 * corner + 1], 1 - positions[3 * triangles[corner] + 1] / 2);
+        const face = [0, 1, 2].map((k) => triangles[3 * Math.floor(corner / 3) + k]);
+        const axis = [0, 1, 2].findIndex((k) => face.every((v) => positions[3 * v + k] === positions[3 * face[0] + k]));
+        const expected = [0, 0, 0];
+        expected[axis] = positions[3 * face[0] + axis] > 0 ? 1 : -1;
+        assert.deepEqual([...normals.subarray(3 * corner, 3 * corner + 3)].map((x) => x + 0), expected);
+    }
+    assert.equal(uv.length, 2 * triangles.length);
+    assert.deepEqual([mesh.uv2.length, mesh.colours.length], [0, 0]);
+    const coloured = await load(Buffer.from(`COFF
+4 4 6
+0 0 0 255 0 0 255
+1 0 0 0 0 255 255
+0 1 0 255 0 0 255
+0 0 1 255 0 0 255
+3 0 2 1
+3 0 1 3
+3 1 2 3
+3 2 0 3
+`), ".off");
+    assert.deepEqual([...coloured.colours], [...coloured.triangles].flatMap((v) => v === 1 ? [0, 0, 1, 1] : [1, 0, 0, 1]));
+    assert.deepEqual([coloured.uv.length, coloured.materials.length], [0, 0]);
 });
 
 test("refusals have a status and say what to do", async () => {

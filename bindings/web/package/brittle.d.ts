@@ -32,12 +32,26 @@ export class BrittleError extends Error {
     readonly status: string;
 }
 
+/** Empty arrays where a mesh has none. Corner k of triangle t is row 3t + k. */
+export interface MeshArrays {
+    readonly positions: Float64Array;
+    readonly triangles: Uint32Array;
+    /** Three numbers for each corner, unit; zero where it has no normal. */
+    readonly normals: Float32Array;
+    /** Two numbers for each corner; v points down. */
+    readonly uv: Float32Array;
+    readonly uv2: Float32Array;
+    /** Four numbers for each corner: linear, with opacity. */
+    readonly colours: Float32Array;
+    /** For each triangle: the number of its material in the file, or 2^32 - 1. */
+    readonly materials: Uint32Array;
+}
+
+export interface Mesh extends MeshArrays {}
 export class Mesh {
     /** weld joins vertices at equal positions; uv and materials stay with the corners. Needs init(). */
     constructor(positions: ArrayLike<number>, triangles: ArrayLike<number>,
                 options?: { uv?: ArrayLike<number>; materials?: ArrayLike<number>; weld?: boolean });
-    readonly positions: Float64Array;
-    readonly triangles: Uint32Array;
     inspect(): Inspection;
     /** A closed, oriented manifold, as far as that is possible. */
     repair(): Mesh;

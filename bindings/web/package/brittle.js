@@ -138,6 +138,11 @@ export class Mesh {
     get address() { return this.#handle.address; }
     get positions() { return array("_web_mesh_array", this.address, 1); }
     get triangles() { return array("_web_mesh_array", this.address, 2); }
+    get normals() { return array("_web_mesh_array", this.address, 3); }
+    get uv() { return array("_web_mesh_array", this.address, 4); }
+    get uv2() { return array("_web_mesh_array", this.address, 5); }
+    get colours() { return array("_web_mesh_array", this.address, 6); }
+    get materials() { return array("_web_mesh_array", this.address, 7); }
     inspect() { return answer(need()._web_mesh_inspect(this.address)); }
     repair() { return new Mesh(made(need()._web_mesh_repair(this.address), "_web_mesh_free")); }
     unite() { return new Mesh(made(need()._web_mesh_unite(this.address), "_web_mesh_free")); }

@@ -7,12 +7,12 @@
  *
  * Calls are done one after another. Bundlers find the worker by `new URL("./worker.js", import.meta.url)`.
  */
-import type { FractureSettings, Inspection, Material, MaterialProperties, Pieces } from "./brittle.js";
+import type { FractureSettings, Inspection, Material, MaterialProperties, MeshArrays, Pieces } from "./brittle.js";
 
 /** A mesh in the worker. */
 export interface RemoteMesh {
     inspect(): Promise<Inspection>;
-    arrays(): Promise<{ positions: Float64Array; triangles: Uint32Array }>;
+    arrays(): Promise<MeshArrays>;
     repair(control?: { signal?: AbortSignal }): Promise<RemoteMesh>;
     unite(control?: { signal?: AbortSignal }): Promise<RemoteMesh>;
     dispose(): Promise<void>;

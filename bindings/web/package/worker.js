@@ -16,8 +16,9 @@ const WORK = {
     async materials() { return [await materials()]; },
     async inspect({ of }) { return [meshes.get(of).inspect()]; },
     async mesh({ of }) {
-        const { positions, triangles } = meshes.get(of);
-        return [{ positions, triangles }, [positions.buffer, triangles.buffer]];
+        const { positions, triangles, normals, uv, uv2, colours, materials } = meshes.get(of);
+        const arrays = { positions, triangles, normals, uv, uv2, colours, materials };
+        return [arrays, Object.values(arrays).map(({ buffer }) => buffer)];
     },
     async dispose({ of }) {
         meshes.get(of)?.dispose();
