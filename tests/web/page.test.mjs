@@ -8,6 +8,7 @@ import path from "node:path";
 import test from "node:test";
 
 import { load, materials } from "../../build/web/brittle-fracture/brittle.js";
+import { CAPS, SIDES, column } from "./column.mjs";
 
 const ROOT = new URL("../../", import.meta.url).pathname, PICTURES = path.join(ROOT, "build/web/pictures");
 const { chromium } = createRequire(path.join(ROOT, "build/web/package.json"))("playwright-core");
@@ -263,6 +264,121 @@ test("the export holds the pieces where they lie", async () => {
     assert.deepEqual(json.materials.map(({ name }) => name).sort(), ["inside", "outside"]);
     const mesh = await load(bytes, ".glb"), { min } = mesh.inspect();
     assert.ok(min[1] > -0.02, `the lowest point is at ${min[1]}`); // nothing sank into the ground
+    await page.leave();
+});
+
+/** Red above blue. */
+const flag = () => execFileSync("convert", ["-size", "2x1", "xc:red", "xc:blue", "-append", "png24:-"]);
+/** How many pixels of the picture of the model fulfil a condition, and their mean height from the top. */
+async function pixels(page, condition) {
+    const [width, height] = [640, 640], clip = { x: 0, y: 0, width, height };
+    const rgb = execFileSync("convert", ["png:-", "-depth", "8", "rgb:-"], { input: await page.screenshot({ clip }), maxBuffer: 1 << 24 });
+    let count = 0, sum = 0;
+    for (let k = 0; k < width * height; ++k)
+        if (condition(...rgb.subarray(3 * k, 3 * k + 3))) {
+            ++count;
+            sum += Math.floor(k / width);
+        }
+    return { count, height: sum / count };
+}
+const RED = (r, g, b) => r > 3 * g && r > 3 * b && r > 50, GREEN = (r, g, b) => g > 3 * r && g > 3 * b && g > 50;
+const BLUE = (r, g, b) => b > 3 * r && b > 3 * g && b > 50, YELLOW = (r, g, b) => r > 3 * b && g > 3 * b && r > 50 && g > 50;
+
+test("a model keeps its colours and textures on the outside of pieces and of their pieces, also in the export", async () => {
+    const page = await visit("#model=vase&sites=30&roughness=0.3");
+    await choose(page, "column.glb", column(flag()));
+    await page.waitForFunction(() => location.hash.includes("model=column.glb"), undefined, WAIT);
+    await ready(page);
+    assert.equal(await page.locator("#notice").isVisible(), false);
+    await page.locator("#view").focus();
+    for (let k = 0; k < 3; ++k) await page.keyboard.press("ArrowUp");
+    await page.waitForTimeout(300);
+    const [red, blue, green] = [await pixels(page, RED), await pixels(page, BLUE), await pixels(page, GREEN)];
+    assert.ok(red.count > 10_000 && blue.count > 10_000 && green.count > 2000, `${red.count} red, ${blue.count} blue, ${green.count} green`);
+    assert.ok(green.height < red.height && red.height < blue.height); // the image is not upside down
+    await page.mouse.click(middle.x, middle.y);
+    const { hash } = await broken(page);
+    await rested(page);
+    await page.mouse.click(320, 480);
+    await page.waitForFunction((before) => document.getElementById("c-hash").textContent !== before, hash, WAIT);
+    await ready(page);
+    await rested(page);
+    await golden(page, "column");
+
+    const [download] = await Promise.all([page.waitForEvent("download"), page.keyboard.press("e")]);
+    const bytes = fs.readFileSync(await download.path()), length = bytes.readUInt32LE(12), binary = bytes.subarray(28 + length);
+    const json = JSON.parse(bytes.subarray(20, 20 + length).toString());
+    assert.deepEqual(json.materials.map(({ name }) => name).sort(), ["caps", "inside", "sides"]);
+    const numbers = (index) => {
+        const { bufferView, byteOffset = 0, count, type, componentType } = json.accessors[index];
+        const at = json.bufferViews[bufferView].byteOffset + byteOffset, columns = { SCALAR: 1, VEC2: 2, VEC3: 3 }[type];
+        const read = { 5123: (k) => binary.readUInt16LE(at + 2 * k), 5125: (k) => binary.readUInt32LE(at + 4 * k),
+                       5126: (k) => binary.readFloatLE(at + 4 * k) }[componentType];
+        return Array.from({ length: columns * count }, (_, k) => read(k));
+    };
+    const areas = { caps: 0, sides: 0, inside: 0 };
+    for (const { mesh } of json.nodes.filter((node) => node.mesh !== undefined))
+        for (const { attributes: { POSITION, TEXCOORD_0 }, indices, material } of json.meshes[mesh].primitives) {
+            const p = numbers(POSITION), uv = numbers(TEXCOORD_0), corners = numbers(indices), { name } = json.materials[material];
+            for (let t = 0; t < corners.length; t += 3) {
+                const [a, b, c] = corners.slice(t, t + 3), [u, v] = [b, c].map((to) => [0, 1, 2].map((k) => p[3 * to + k] - p[3 * a + k]));
+                areas[name] += Math.hypot(u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]) / 2;
+                if (name === "sides")
+                    for (const to of [b, c]) assert.ok(Math.abs(uv[2 * to + 1] - uv[2 * a + 1] + (p[3 * to + 1] - p[3 * a + 1]) / 2) < 1e-5);
+            }
+        }
+    assert.ok(Math.abs(areas.sides - SIDES) < 1e-4 && Math.abs(areas.caps - CAPS) < 1e-4, JSON.stringify(areas));
+    const { source } = json.textures[json.materials.find(({ name }) => name === "sides").pbrMetallicRoughness.baseColorTexture.index];
+    const { byteOffset, byteLength } = json.bufferViews[json.images[source].bufferView];
+    const image = execFileSync("convert", ["png:-", "-depth", "8", "rgb:-"], { input: binary.subarray(byteOffset, byteOffset + byteLength) });
+    assert.deepEqual([...image], [255, 0, 0, 255, 0, 0, 0, 0, 255, 0, 0, 255]);
+    await page.leave();
+});
+
+test("a model without a readable texture shows its base colour, and says so", async () => {
+    const page = await visit("#model=vase");
+    await choose(page, "column.glb", column(Buffer.from("no image"), [1, 1, 0, 1]));
+    await page.waitForSelector("#notice:not([hidden])", WAIT);
+    assert.match(await text(page, "notice"), /column\.glb: Texture flag cannot be shown/);
+    await ready(page);
+    await page.locator("#close").click();
+    await page.waitForTimeout(300);
+    assert.ok((await pixels(page, YELLOW)).count > 10_000);
+    await page.mouse.click(middle.x, middle.y);
+    assert.equal((await broken(page)).closed, "all");
+    await page.leave();
+});
+
+test("textures of a .gltf file and colours of vertices are shown", async () => {
+    const page = await visit("#model=vase"), glb = column(flag()), length = glb.readUInt32LE(12);
+    const json = JSON.parse(glb.subarray(20, 20 + length).toString());
+    json.buffers[0].uri = `data:application/octet-stream;base64,${glb.subarray(28 + length).toString("base64")}`;
+    const show = async (name, content) => {
+        await choose(page, name, Buffer.from(content));
+        await page.waitForFunction((model) => location.hash.includes(`model=${model}`), name, WAIT);
+        await ready(page);
+        await page.waitForTimeout(300);
+    };
+    await show("within.gltf", JSON.stringify(json));
+    assert.equal(await page.locator("#notice").isVisible(), false);
+    assert.ok((await pixels(page, RED)).count > 10_000 && (await pixels(page, BLUE)).count > 10_000);
+    json.images[0] = { uri: "flag.png" };
+    await show("beside.gltf", JSON.stringify(json));
+    assert.match(await text(page, "notice"), /Texture number 0 cannot be shown: it lies in another file, flag\.png/);
+    await page.locator("#close").click();
+    assert.equal((await pixels(page, RED)).count, 0);
+    await show("painted.off", `COFF
+4 4 6
+0 0 0 255 0 0 255
+1 0 0 255 0 0 255
+0 1 0 255 0 0 255
+0 0 1 255 0 0 255
+3 0 2 1
+3 0 1 3
+3 1 2 3
+3 2 0 3
+`);
+    assert.ok((await pixels(page, RED)).count > 10_000);
     await page.leave();
 });
 

@@ -14,12 +14,11 @@ const MODELS = "/usr/share/glmark2/models"; // of Debian's glmark2-data
 fs.rmSync(out, { recursive: true, force: true });
 fs.mkdirSync(path.join(out, "models"), { recursive: true });
 
-const library_of = { "brittle-fracture/worker": "client.js", "brittle-fracture/three": "three.js" };
 const rapier = path.join(npm, "node_modules/@dimforge/rapier3d/rapier_wasm3d_bg.wasm");
 const resolve = {
     name: "resolve",
     setup(build) {
-        build.onResolve({ filter: /^brittle-fracture\// }, ({ path: name }) => ({ path: path.join(library, library_of[name]) }));
+        build.onResolve({ filter: /^brittle-fracture\/worker$/ }, () => ({ path: path.join(library, "client.js") }));
         // Rapier imports its machine code as a module, which browsers do not do: fetch it.
         build.onLoad({ filter: /rapier_wasm3d\.js$/ }, () => ({ contents: `
             import * as glue from "./rapier_wasm3d_bg.js";

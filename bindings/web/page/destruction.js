@@ -1,5 +1,7 @@
 // What breaks and moves: bodies of pieces that hold together by bonds, in a world of Rapier. Meshes keep the coordinates
 // of their file; `frame` scales and moves them into the world. A body's pose turns and moves that rest state.
+import { CUT, OUTSIDE, Outside } from "./outside.js";
+
 let RAPIER = null;
 
 const STEP = 1 / 60;          // s
@@ -18,10 +20,12 @@ export function turn(q, v, back = false) {
             v[2] + w * t[2] + x * t[1] - y * t[0]];
 }
 
-/** A piece, or a whole mesh: its triangles, and which of them lie on cuts. */
+/** A piece, or a whole mesh. `origins`: the triangle of the whole mesh in which each triangle lies, -1 on cuts. `recut`: it is a
+ *  part of another piece. */
 class Piece {
-    constructor(id, set, { index, positions, triangles, volume, centre, cuts, hulls, source = null }) {
-        Object.assign(this, { id, set, index, positions, triangles, volume, centre: Array.from(centre), cuts, hulls, source });
+    constructor(id, { index, positions, triangles, volume, centre, origins, hulls, source = null, recut = false }) {
+        Object.assign(this, { id, index, positions, triangles, volume, centre: Array.from(centre), origins, hulls, source, recut });
+        this.set = null; // of the view
         this.body = null;
         this.colliders = [];
         this.min = [Infinity, Infinity, Infinity];
@@ -89,11 +93,13 @@ export class Destruction {
         this.explode = 0;
     }
 
-    /** Puts a whole mesh there. `arrays`: positions and triangles of `mesh`, a mesh of the worker. */
-    async place(mesh, arrays) {
+    /** Puts a whole mesh there. `arrays`: those of `mesh`, a mesh of the worker. `looks`: materials of three.js. */
+    async place(mesh, arrays, looks) {
         RAPIER ??= await import("@dimforge/rapier3d");
         this.#mesh = mesh;
         this.arrays = arrays;
+        this.outside?.dispose();
+        this.outside = new Outside(arrays, looks);
         this.reset();
     }
 
@@ -112,8 +118,8 @@ export class Destruction {
         this.#accumulated = 0;
         this.#view.clear();
         const { positions, triangles } = this.arrays;
-        const whole = new Piece(0, null, { index: 0, positions, triangles, volume: 0, centre: [0, 0, 0],
-                                           cuts: new Uint8Array(triangles.length / 3), hulls: [] });
+        const whole = new Piece(0, { index: 0, positions, triangles, volume: 0, centre: [0, 0, 0],
+                                     origins: Int32Array.from({ length: triangles.length / 3 }, (_, t) => t), hulls: [] });
         const size = Math.max(...whole.max.map((most, k) => most - whole.min[k])), scale = 2 / size;
         const middle = whole.min.map((least, k) => (least + whole.max[k]) / 2);
         this.frame = { scale, offset: [-scale * middle[0], -scale * whole.min[1], -scale * middle[2]], size };
@@ -125,7 +131,7 @@ export class Destruction {
             volume += a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
         }
         this.volume = whole.volume = volume / 6;
-        whole.set = this.#view.addWhole(this.arrays, this.frame, middle);
+        whole.set = this.#view.add([whole], this.outside, this.frame, middle);
         this.pieces.push(whole);
         this.bodies.push(whole.body = { rigid: null, pieces: [whole], pose: rest(), before: rest() });
     }
@@ -173,7 +179,7 @@ export class Destruction {
                 const { local, ...rest } = settings;
                 const cut = { ...rest, ...focused, sites: count, seed: settings.seed + piece.id };
                 const mesh = piece.id === 0 ? this.#mesh : await this.#worker.mesh(piece.positions, piece.triangles,
-                    { materials: Uint32Array.from(piece.cuts) });
+                    { materials: Uint32Array.from(piece.origins, (origin) => origin < 0 ? CUT : OUTSIDE) });
                 try {
                     const broken = await this.#worker.fracture(mesh, cut, { onProgress, signal, hulls: { parts: 4, vertices: 32 } });
                     this.#divide(piece, broken);
@@ -191,15 +197,15 @@ export class Destruction {
 
     #divide(piece, broken) {
         const { body } = piece, first = this.pieces.length;
-        const set = this.#view.addPieces(broken, this.frame, this.middle);
         const sources = broken.array("triangleSources"), ranges = broken.array("triangleRanges");
         for (const part of broken) {
-            const cuts = new Uint8Array(part.triangles.length / 3).fill(1);
-            for (let t = 0; t < part.exteriorTriangles; ++t) cuts[t] = piece.cuts[sources[ranges[2 * part.index] + t]];
-            this.pieces.push(new Piece(this.pieces.length, set, { ...part, cuts, hulls: broken.hulls(part.index),
-                                                                     source: broken }));
+            const origins = new Int32Array(part.triangles.length / 3).fill(-1);
+            for (let t = 0; t < part.exteriorTriangles; ++t) origins[t] = piece.origins[sources[ranges[2 * part.index] + t]];
+            this.pieces.push(new Piece(this.pieces.length, { ...part, origins, hulls: broken.hulls(part.index), source: broken,
+                                                             recut: piece.id !== 0 }));
         }
-        const made = this.pieces.slice(first);
+        const made = this.pieces.slice(first), set = this.#view.add(made, this.outside, this.frame, this.middle);
+        for (const part of made) part.set = set;
         // A bond of the old piece goes to the nearest of its parts.
         for (const bond of this.bonds)
             for (const side of ["a", "b"])

@@ -75,21 +75,20 @@ $("cancel").onclick = () => work?.abort();
 const until = (signal, promise) => Promise.race([promise, new Promise((_, refuse) =>
     signal.addEventListener("abort", () => refuse(signal.reason), { once: true }))]);
 
-/** Opens a mesh and shows it; what stands there stays where that fails. */
+/** Opens what `read` gives, a mesh and perhaps its looks, and shows it; what stands there stays where that fails. */
 async function open(name, read) {
     let followUp = null;
     const done = await working(`Opening ${name}`, async (signal) => {
-        const mesh = await until(signal, read(signal));
+        const { mesh, looks = { materials: [], fault: null } } = await until(signal, read(signal));
         const found = verdict(await until(signal, mesh.inspect()));
-        if (found) {
-            const run = () => {
-                notice(null);
-                open(name, (stop) => mesh[found.mend]({ signal: stop }));
-            };
-            followUp = { text: `${name}: ${found.text}`, mend: found.mend && { label: found.label, run } };
-            if (!found.optional) return;
-        }
-        await show(mesh, signal);
+        const run = () => {
+            notice(null);
+            open(name, async (stop) => ({ mesh: await mesh[found.mend]({ signal: stop }), looks }));
+        };
+        const texts = [found?.text, looks.fault].filter(Boolean);
+        if (texts.length > 0) followUp = { text: `${name}: ${texts.join(" ")}`, mend: found?.mend && { label: found.label, run } };
+        if (found && !found.optional) return;
+        await show(mesh, looks.materials, signal);
         settings.model = name;
         pressGallery();
         address();
@@ -101,11 +100,11 @@ async function open(name, read) {
     }
 }
 
-async function show(mesh, signal) {
+async function show(mesh, looks, signal) {
     const arrays = await until(signal, mesh.arrays());
     const old = opened;
     opened = mesh;
-    await destruction.place(mesh, arrays);
+    await destruction.place(mesh, arrays, looks);
     if (old && old !== mesh) old.dispose();
     certificate();
     hint("Click to break it");

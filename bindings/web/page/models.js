@@ -1,4 +1,6 @@
 // What can be broken: shapes that the library makes, models that come with the page, and files of the visitor.
+import { readLooks } from "./looks.js";
+
 export const GALLERY = [
     { name: "statue", label: "Statue" },
     { name: "vase", label: "Vase" },
@@ -14,6 +16,9 @@ export const GALLERY = [
 
 export const EXTENSIONS = [".glb", ".gltf", ".obj", ".stl", ".ply", ".off", ".3ds"];
 
+/** Formats whose materials are shown. */
+const LOOKS = [".glb", ".gltf"];
+
 /** Of a file; the memory of a browser ends there. */
 const MOST_BYTES = 1.5e9;
 
@@ -21,21 +26,23 @@ const MOST_BYTES = 1.5e9;
 export async function openGallery(worker, name, base, signal) {
     const entry = GALLERY.find((one) => one.name === name);
     if (!entry) throw new Error(`there is no model ${name} in the gallery; drop the file onto the page`);
-    if (!entry.file) return worker.shape(name);
+    if (!entry.file) return { mesh: await worker.shape(name) };
     const response = await fetch(new URL(entry.file, base), { signal });
     if (!response.ok) throw new Error(`${entry.file} did not come: ${response.status} ${response.statusText}`);
     const mesh = await worker.load(await response.arrayBuffer(), entry.file.slice(entry.file.lastIndexOf(".")), { signal });
-    return entry.repair ? mesh.repair({ signal }) : mesh;
+    return { mesh: entry.repair ? await mesh.repair({ signal }) : mesh };
 }
 
-/** A mesh of the worker, of a file that was dropped or chosen. */
+/** A mesh of the worker, of a file that was dropped or chosen, and its looks (looks.js). */
 export async function openFile(worker, file, signal) {
     const extension = file.name.slice(file.name.lastIndexOf(".")).toLowerCase();
     if (!file.name.includes(".") || !EXTENSIONS.includes(extension))
         throw new Error(`${file.name} is no mesh that this page reads; it reads ${EXTENSIONS.join(", ")}`);
     if (file.size > MOST_BYTES)
         throw new Error(`${file.name} has ${(file.size / 1e9).toFixed(1)} GB; a page can read ${MOST_BYTES / 1e9} GB`);
-    return worker.load(await file.arrayBuffer(), extension, { signal });
+    const bytes = await file.arrayBuffer();
+    const [mesh, looks] = await Promise.all([worker.load(bytes, extension, { signal }), LOOKS.includes(extension) ? readLooks(bytes) : undefined]);
+    return { mesh, looks };
 }
 
 /** What the visitor should know of a mesh: the fault, and the call that mends it; null where there is nothing. */

@@ -1,5 +1,5 @@
-// The picture: one draw for the pieces of a fracture. Vertices stay where they were at rest; the shader moves them by the
-// pose of their piece, which lies in a texture.
+// The picture: one draw for each material of the pieces of a fracture. Vertices stay where they were at rest; the shader
+// moves them by the pose of their piece, which lies in a texture.
 import {
     AmbientLight, BufferAttribute, BufferGeometry, Color, DataTexture, DirectionalLight, FloatType, HemisphereLight,
     LineBasicMaterial, LineLoop, Mesh, MeshDepthMaterial, MeshStandardMaterial, NearestFilter, PCFShadowMap,
@@ -7,9 +7,11 @@ import {
     SRGBColorSpace, Vector2, Vector3, WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
+import { starts } from "./outside.js";
 
 const TEXELS = 3;  // of a piece: rotation; translation, 1 where it is visible; rest centre
 const ACROSS = 64; // pieces in a row of the texture
+const WHITE = new Color(0xffffff);
 
 const MOVE = `
     attribute float piece; // twice its number, + 1 on cuts
@@ -97,7 +99,7 @@ export class View {
             if (coloured)
                 shader.fragmentShader = "varying float onCut; varying float tone; uniform vec3 outside; uniform vec3 inside;\n"
                     + shader.fragmentShader.replace("#include <color_fragment>", `#include <color_fragment>
-                    diffuseColor.rgb = mix(outside, inside, step(0.5, onCut)) * (0.94 + 0.12 * tone);`);
+                    diffuseColor.rgb *= mix(outside, inside, step(0.5, onCut)) * (0.94 + 0.12 * tone);`);
         };
         return material;
     }
@@ -120,7 +122,7 @@ export class View {
         for (const { mesh, poses } of this.#sets) {
             this.#scene.remove(mesh);
             mesh.geometry.dispose();
-            mesh.material.dispose();
+            for (const material of mesh.material) material.dispose();
             mesh.customDepthMaterial.dispose();
             poses.dispose();
         }
@@ -128,36 +130,10 @@ export class View {
         this.dirty = true;
     }
 
-    /** A mesh that is not broken yet, with normals that are smooth where the angle between triangles is small. */
-    addWhole({ positions, triangles }, frame, middle) {
-        const creased = crease(positions, triangles);
-        const count = creased.positions.length / 3;
-        return this.#add(creased.positions.map((x, k) => frame.offset[k % 3] + frame.scale * x), creased.normals,
-            new Float32Array(count), null, [middle], frame, middle);
-    }
-
-    /** All pieces of a fracture. Outside surfaces of material 1 are cuts of an earlier fracture. */
-    addPieces(broken, frame, middle) {
-        const { parts, positions, normals, triangles } = broken.surfaces, { centres } = broken;
-        const moved = new Float32Array(positions.length), piece = new Float32Array(positions.length / 3);
-        const indices = new Uint32Array(triangles.length);
-        for (let at = 0; at < parts.length; at += 8) {
-            const [number, material, interior, first, vertices, firstTriangle, count] = parts.subarray(at, at + 7);
-            const mark = 2 * number + (interior || material === 1 ? 1 : 0);
-            for (let v = first; v < first + vertices; ++v) {
-                piece[v] = mark;
-                for (let k = 0; k < 3; ++k)
-                    moved[3 * v + k] = frame.offset[k] + frame.scale * (centres[3 * number + k] + positions[3 * v + k]);
-            }
-            for (let k = 3 * firstTriangle; k < 3 * (firstTriangle + count); ++k) indices[k] = first + triangles[k];
-        }
-        const list = Array.from({ length: broken.length }, (_, k) => Array.from(centres.subarray(3 * k, 3 * k + 3)));
-        return this.#add(moved, normals, piece, indices, list, frame, middle);
-    }
-
-    #add(positions, normals, piece, indices, centres, frame, middle) {
-        const rows = Math.ceil(centres.length / ACROSS), values = new Float32Array(4 * TEXELS * ACROSS * rows);
-        centres.forEach((centre, number) => {
+    /** Pieces of one fracture, or the whole model as one piece. `outside`: of the model. */
+    add(pieces, outside, frame, middle) {
+        const rows = Math.ceil(pieces.length / ACROSS), values = new Float32Array(4 * TEXELS * ACROSS * rows);
+        pieces.forEach(({ centre }, number) => {
             const at = place(number);
             values[at + 3] = values[at + 7] = 1;
             for (let k = 0; k < 3; ++k) values[at + 8 + k] = frame.offset[k] + frame.scale * centre[k];
@@ -166,13 +142,9 @@ export class View {
         poses.magFilter = poses.minFilter = NearestFilter;
         poses.needsUpdate = true;
         this.#uniforms.middle.value.set(...middle.map((m, k) => frame.offset[k] + frame.scale * m));
-        const geometry = new BufferGeometry();
-        geometry.setAttribute("position", new BufferAttribute(Float32Array.from(positions), 3));
-        geometry.setAttribute("normal", new BufferAttribute(normals, 3));
-        geometry.setAttribute("piece", new BufferAttribute(piece, 1));
-        if (indices) geometry.setIndex(new BufferAttribute(indices, 1));
-        const mesh = new Mesh(geometry, this.#clone(this.#material, true, poses));
-        mesh.customDepthMaterial = this.#clone(this.#depth, false, poses);
+        const looks = outside.looks.map((look) => this.#clone(look, true, { poses: { value: poses }, outside: { value: WHITE } }));
+        const mesh = new Mesh(geometry(pieces, outside, frame), [...looks, this.#clone(this.#material, true, { poses: { value: poses } })]);
+        mesh.customDepthMaterial = this.#clone(this.#depth, false, { poses: { value: poses } });
         mesh.frustumCulled = false;
         mesh.castShadow = mesh.receiveShadow = true;
         this.#scene.add(mesh);
@@ -182,11 +154,11 @@ export class View {
         return set;
     }
 
-    #clone(material, coloured, poses) {
+    #clone(material, coloured, uniforms) {
         const copy = this.#moved(material.clone(), coloured), compile = copy.onBeforeCompile;
         copy.onBeforeCompile = (shader) => {
             compile(shader);
-            shader.uniforms.poses = { value: poses };
+            Object.assign(shader.uniforms, uniforms);
         };
         copy.customProgramCacheKey = () => `moved ${coloured}`;
         return copy;
@@ -278,35 +250,36 @@ export class View {
 
 const place = (number) => 4 * TEXELS * (Math.floor(number / ACROSS) * ACROSS + number % ACROSS);
 
-/** Corners of all triangles with normals: the mean of the triangles around a vertex that differ by less than 40 degrees. */
-function crease(positions, triangles) {
-    const count = triangles.length / 3, faces = new Float32Array(3 * count), out = new Float32Array(3 * triangles.length);
-    for (let t = 0; t < count; ++t) {
-        const [a, b, c] = [0, 1, 2].map((k) => 3 * triangles[3 * t + k]);
-        const u = [0, 1, 2].map((k) => positions[b + k] - positions[a + k]), v = [0, 1, 2].map((k) => positions[c + k] - positions[a + k]);
-        faces.set([u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]], 3 * t);
-    }
-    const first = new Uint32Array(positions.length / 3 + 1);
-    for (const vertex of triangles) ++first[vertex + 1];
-    for (let v = 1; v < first.length; ++v) first[v] += first[v - 1];
-    const next = first.slice(), near = new Uint32Array(triangles.length);
-    for (let k = 0; k < triangles.length; ++k) near[next[triangles[k]]++] = Math.floor(k / 3);
-    const normals = new Float32Array(3 * triangles.length);
-    for (let k = 0; k < triangles.length; ++k) {
-        const own = 3 * Math.floor(k / 3), vertex = triangles[k];
-        const size = Math.hypot(faces[own], faces[own + 1], faces[own + 2]);
-        let [x, y, z] = [0, 0, 0];
-        for (let n = first[vertex]; n < first[vertex + 1]; ++n) {
-            const f = 3 * near[n], other = Math.hypot(faces[f], faces[f + 1], faces[f + 2]);
-            const dot = faces[own] * faces[f] + faces[own + 1] * faces[f + 1] + faces[own + 2] * faces[f + 2];
-            if (dot < 0.77 * size * other) continue;
-            x += faces[f];
-            y += faces[f + 1];
-            z += faces[f + 2];
+/** The surfaces of pieces in the world, at rest. Groups: the looks, then the chosen material, which the cuts have too. */
+function geometry(pieces, outside, frame) {
+    const surfaces = pieces.map((piece) => outside.surface(piece));
+    const total = (name) => surfaces.reduce((sum, surface) => sum + surface[name].length, 0);
+    const positions = new Float32Array(total("positions")), vertices = positions.length / 3, piece = new Float32Array(vertices);
+    const indices = new Uint32Array(total("indices")), attributes = outside.attributes.map(({ size }) => new Float32Array(size * vertices));
+    const counts = surfaces[0].counts.map((_, group) => surfaces.reduce((sum, surface) => sum + surface.counts[group], 0));
+    const next = starts(counts);
+    let first = 0;
+    surfaces.forEach((surface, number) => {
+        const { centre } = pieces[number], count = surface.positions.length / 3;
+        for (let v = 0; v < count; ++v) {
+            piece[first + v] = 2 * number + (v < surface.firstCut ? 0 : 1);
+            for (let k = 0; k < 3; ++k)
+                positions[3 * (first + v) + k] = frame.offset[k] + frame.scale * (centre[k] + surface.positions[3 * v + k]);
         }
-        const all = Math.hypot(x, y, z) || 1;
-        normals.set([x / all, y / all, z / all], 3 * k);
-        out.set(positions.subarray(3 * vertex, 3 * vertex + 3), 3 * k);
-    }
-    return { positions: out, normals };
+        attributes.forEach((values, k) => values.set(surface.attributes[k], outside.attributes[k].size * first));
+        let at = 0;
+        surface.counts.forEach((length, group) => {
+            for (const end = at + length; at < end; ++at) indices[next[group]++] = first + surface.indices[at];
+        });
+        first += count;
+    });
+    const made = new BufferGeometry(), looks = outside.looks.length, shown = starts(counts);
+    made.setAttribute("position", new BufferAttribute(positions, 3));
+    made.setAttribute("piece", new BufferAttribute(piece, 1));
+    outside.attributes.forEach(({ name, size }, k) => made.setAttribute(name, new BufferAttribute(attributes[k], size)));
+    made.setIndex(new BufferAttribute(indices, 1));
+    for (let group = 0; group < looks; ++group)
+        if (counts[group] > 0) made.addGroup(shown[group], counts[group], group);
+    made.addGroup(shown[looks], counts[looks] + counts[looks + 1], looks);
+    return made;
 }
