@@ -75,15 +75,18 @@ $("cancel").onclick = () => work?.abort();
 const until = (signal, promise) => Promise.race([promise, new Promise((_, refuse) =>
     signal.addEventListener("abort", () => refuse(signal.reason), { once: true }))]);
 
-/** Opens what `read` gives, a mesh and perhaps its looks, and shows it; what stands there stays where that fails. */
-async function open(name, read) {
+/**
+ * Opens what `read` gives, a mesh and perhaps its looks, and shows it; what stands there stays where that fails. What was
+ * tried on the mesh is not offered again.
+ */
+async function open(name, read, tried = []) {
     let followUp = null;
     const done = await working(`Opening ${name}`, async (signal) => {
         const { mesh, looks = { materials: [], fault: null } } = await until(signal, read(signal));
-        const found = verdict(await until(signal, mesh.inspect()));
+        const found = verdict(await until(signal, mesh.inspect()), tried);
         const run = () => {
             notice(null);
-            open(name, async (stop) => ({ mesh: await mesh[found.mend]({ signal: stop }), looks }));
+            open(name, async (stop) => ({ mesh: await mesh[found.mend]({ signal: stop }), looks }), [...tried, found.mend]);
         };
         const texts = [found?.text, looks.fault].filter(Boolean);
         if (texts.length > 0) followUp = { text: `${name}: ${texts.join(" ")}`, mend: found?.mend && { label: found.label, run } };

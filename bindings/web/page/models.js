@@ -45,13 +45,17 @@ export async function openFile(worker, file, signal) {
     return { mesh, looks };
 }
 
-/** What the visitor should know of a mesh: the fault, and the call that mends it; null where there is nothing. */
-export function verdict(found) {
+/**
+ * What the visitor should know of a mesh: the fault, and the call that mends it unless it is among those that were tried;
+ * null where there is nothing.
+ */
+export function verdict(found, tried) {
     if (found.refusal === "inside_out" || found.refusal === "not_closed" || found.refusal === "non_manifold"
         || found.refusal === "not_oriented" || found.refusal === "no_volume" || found.refusal === "inverted_part")
-        return { mend: "repair", label: "Repair", text: sentence(found) };
+        return { mend: tried.includes("repair") ? null : "repair", label: "Repair", text: sentence(found) };
     if (found.refusal) return { mend: null, text: sentence(found) };
-    if (found.components > 1 && found.intersections > 0)
+    // United parts that touch may still cross by the rounding of their corners.
+    if (found.components > 1 && found.intersections > 0 && !tried.includes("unite"))
         return { mend: "unite", label: "Unite", optional: true,
                  text: `${found.components} parts pass through each other. Their pieces would overlap; united, they are one solid.` };
     return null;
