@@ -83,70 +83,6 @@ inline void check_points(const TriangleMesh& mesh, const Fragments& f) {
     }
 }
 
-// Fractures a mesh with paired edges and checks: pieces are closed, oriented, manifold and without unused vertices,
-// arrays are consistent, volumes sum to that of the mesh, and the result is bit-equal for any number of threads.
-inline Fragments check_fracture(const TriangleMesh& mesh, const Sites& sites, double tolerance = 1e-12) {
-    const Result<Fragments> result = fracture_exact(mesh, sites, {.threads = 1});
-    REQUIRE_MESSAGE(result, (result ? std::string() : result.error().message));
-    const Fragments& f = *result;
-    CHECK(topology_faults(f) == 0);
-    check_points(mesh, f);
-    REQUIRE(f.triangle_source.size() == f.triangles.size());
-    uint32_t vertex = 0, triangle = 0;
-    double volume = 0.0, scale = 0.0;
-    for (const Piece& piece : f.pieces) {
-        REQUIRE(piece.vertices.begin == vertex);
-        REQUIRE(piece.triangles.begin == triangle);
-        vertex = piece.vertices.end;
-        triangle = piece.triangles.end;
-        REQUIRE(piece.exterior_triangles <= piece.triangles.size());
-        for (uint32_t t = 0; t < piece.triangles.size(); ++t) {
-            const uint32_t source = f.triangle_source[piece.triangles.begin + t];
-            REQUIRE(source < (t < piece.exterior_triangles ? mesh.triangles.size() : sites.size()));
-        }
-        volume += piece.mass.volume;
-        scale += std::abs(piece.mass.volume);
-    }
-    REQUIRE(vertex == f.positions.size());
-    REQUIRE(triangle == f.triangles.size());
-    const double expected = mass_properties(mesh.positions, mesh.triangles).volume;
-    CHECK(std::abs(volume - expected) <= tolerance * std::max(std::abs(expected), scale));
-    for (const uint32_t threads : {2u, 4u}) {
-        const Result<Fragments> again = fracture_exact(mesh, sites, {.threads = threads});
-        REQUIRE(again);
-        CHECK(hash(*again) == hash(f));
-        CHECK(again->vertex_point == f.vertex_point);
-    }
-    for (size_t k = 0; k < f.bonds.size(); ++k) {
-        const Bond& bond = f.bonds[k];
-        REQUIRE(bond.a < f.pieces.size());
-        REQUIRE(bond.b < f.pieces.size());
-        REQUIRE(f.pieces[bond.a].site < f.pieces[bond.b].site);
-        REQUIRE(bond.area > 0.0);
-        REQUIRE(std::abs(glm::length(bond.normal) - 1.0) < 1e-12);
-        if (k > 0) {
-            REQUIRE((f.bonds[k - 1].a < bond.a || (f.bonds[k - 1].a == bond.a && f.bonds[k - 1].b < bond.b)));
-        }
-    }
-    return *result;
-}
-
-// Returns the smallest height of a triangle with a vertex that a cut made.
-inline double thinnest_cut(const Fragments& f) {
-    double least = std::numeric_limits<double>::infinity();
-    for (const Piece& piece : f.pieces) {
-        const auto positions = f.positions_of(piece);
-        for (const Triangle& t : f.triangles_of(piece)) {
-            const auto cut = [&](uint32_t v) { return f.vertex_point[piece.vertices.begin + v] >= 1u << 30; };
-            if (!cut(t.x) && !cut(t.y) && !cut(t.z)) continue;
-            const glm::dvec3 &a = positions[t.x], &b = positions[t.y], &c = positions[t.z];
-            const double longest = std::max({glm::distance(a, b), glm::distance(b, c), glm::distance(c, a)});
-            least = std::min(least, longest == 0.0 ? 0.0 : glm::length(glm::cross(b - a, c - a)) / longest);
-        }
-    }
-    return least;
-}
-
 // Checks that both sides of a facet have the same cap triangles, reversed and bit-equal.
 inline void check_caps_match(const Fragments& f) {
     using Corner = std::array<double, 3>;
@@ -183,6 +119,71 @@ inline void check_caps_match(const Fragments& f) {
         REQUIRE(one[k].here == two[k].here);
         REQUIRE(one[k].there == two[k].there);
     }
+}
+
+// Fractures a mesh with paired edges and checks: pieces are closed, oriented, manifold and without unused vertices,
+// arrays are consistent, volumes sum to that of the mesh, and the result is bit-equal for any number of threads.
+inline Fragments check_fracture(const TriangleMesh& mesh, const Sites& sites, double tolerance = 1e-12) {
+    const Result<Fragments> result = fracture_exact(mesh, sites, {.threads = 1});
+    REQUIRE_MESSAGE(result, (result ? std::string() : result.error().message));
+    const Fragments& f = *result;
+    CHECK(topology_faults(f) == 0);
+    check_points(mesh, f);
+    REQUIRE(f.triangle_source.size() == f.triangles.size());
+    uint32_t vertex = 0, triangle = 0;
+    double volume = 0.0, scale = 0.0;
+    for (const Piece& piece : f.pieces) {
+        REQUIRE(piece.vertices.begin == vertex);
+        REQUIRE(piece.triangles.begin == triangle);
+        vertex = piece.vertices.end;
+        triangle = piece.triangles.end;
+        REQUIRE(piece.exterior_triangles <= piece.triangles.size());
+        for (uint32_t t = 0; t < piece.triangles.size(); ++t) {
+            const uint32_t source = f.triangle_source[piece.triangles.begin + t];
+            REQUIRE(source < (t < piece.exterior_triangles ? mesh.triangles.size() : sites.size()));
+        }
+        volume += piece.mass.volume;
+        scale += std::abs(piece.mass.volume);
+    }
+    REQUIRE(vertex == f.positions.size());
+    REQUIRE(triangle == f.triangles.size());
+    const double expected = mass_properties(mesh.positions, mesh.triangles).volume;
+    CHECK(std::abs(volume - expected) <= tolerance * std::max(std::abs(expected), scale));
+    for (const uint32_t threads : {2u, 4u}) {
+        const Result<Fragments> again = fracture_exact(mesh, sites, {.threads = threads});
+        REQUIRE(again);
+        CHECK(hash(*again) == hash(f));
+        CHECK(again->vertex_point == f.vertex_point);
+    }
+    check_caps_match(f);
+    for (size_t k = 0; k < f.bonds.size(); ++k) {
+        const Bond& bond = f.bonds[k];
+        REQUIRE(bond.a < f.pieces.size());
+        REQUIRE(bond.b < f.pieces.size());
+        REQUIRE(f.pieces[bond.a].site < f.pieces[bond.b].site);
+        REQUIRE(bond.area > 0.0);
+        REQUIRE(std::abs(glm::length(bond.normal) - 1.0) < 1e-12);
+        if (k > 0) {
+            REQUIRE((f.bonds[k - 1].a < bond.a || (f.bonds[k - 1].a == bond.a && f.bonds[k - 1].b < bond.b)));
+        }
+    }
+    return *result;
+}
+
+// Returns the smallest height of a triangle with a vertex that a cut made.
+inline double thinnest_cut(const Fragments& f) {
+    double least = std::numeric_limits<double>::infinity();
+    for (const Piece& piece : f.pieces) {
+        const auto positions = f.positions_of(piece);
+        for (const Triangle& t : f.triangles_of(piece)) {
+            const auto cut = [&](uint32_t v) { return f.vertex_point[piece.vertices.begin + v] >= 1u << 30; };
+            if (!cut(t.x) && !cut(t.y) && !cut(t.z)) continue;
+            const glm::dvec3 &a = positions[t.x], &b = positions[t.y], &c = positions[t.z];
+            const double longest = std::max({glm::distance(a, b), glm::distance(b, c), glm::distance(c, a)});
+            least = std::min(least, longest == 0.0 ? 0.0 : glm::length(glm::cross(b - a, c - a)) / longest);
+        }
+    }
+    return least;
 }
 
 // Reads positions and faces of a plain OBJ file and welds vertices by position. Returns an empty mesh if there is no

@@ -53,6 +53,28 @@ TEST_CASE("exact fracture: weights give the power diagram") {
     }
 }
 
+TEST_CASE(
+    "exact fracture: of many weighted sites, one that is far away and heavy takes the part that has a light one") {
+    // A cube with 150 sites in it, and one far from it, beside which lies a site without a cell.
+    TriangleMesh mesh = cube(1.0);
+    TriangleMesh far = cube(1.0);
+    for (glm::dvec3& p : far.positions) p.x += 10.0;
+    for (Triangle t : far.triangles) mesh.triangles.push_back(t + static_cast<uint32_t>(mesh.positions.size()));
+    mesh.positions.insert(mesh.positions.end(), far.positions.begin(), far.positions.end());
+    std::vector<glm::dvec3> sites = uniform_sites(bounds(cube(1.0)), 150, 3);
+    Settings settings{.threads = 1};
+    settings.weights.assign(sites.size(), 0.0);
+    sites.insert(sites.end(), {{10.0, 0.1, 0.2}, {30.0, 0.0, 0.0}});
+    settings.weights.insert(settings.weights.end(), {-1000.0, 600.0});
+    const auto found = brittle::fracture::fracture(mesh, sites, settings);
+    REQUIRE(found);
+    const Certificate certificate = certify(mesh, *found);
+    CHECK(certificate.closed);
+    CHECK(certificate.volume_error < 1e-12);
+    CHECK(std::ranges::count(found->pieces, 151u, &Piece::site) == 1);
+    CHECK(std::ranges::count(found->pieces, 150u, &Piece::site) == 0);
+}
+
 TEST_CASE("exact fracture: equal weights change nothing, a heavy site takes all, weights are checked") {
     const TriangleMesh mesh = icosphere(3);
     const auto sites = uniform_sites(bounds(mesh), 20, 5);

@@ -202,6 +202,36 @@ TEST_CASE("sites far outside the box still share all of it") {
     CHECK(std::count(d->cell_is_empty.begin(), d->cell_is_empty.end(), uint8_t{0}) >= 1);
 }
 
+TEST_CASE("far sites on a sphere around the box, whose cells all meet in its middle but for rounding") {
+    // The corners of a dodecahedron, turned: rounding decides how the twenty cells meet.
+    const double golden = 0.5 * (1.0 + std::sqrt(5.0));
+    std::vector<glm::dvec3> corners;
+    for (const double x : {-1.0, 1.0})
+        for (const double y : {-1.0, 1.0}) {
+            for (const double z : {-1.0, 1.0}) corners.emplace_back(x, y, z);
+            corners.emplace_back(0.0, x / golden, y * golden);
+            corners.emplace_back(x / golden, y * golden, 0.0);
+            corners.emplace_back(y * golden, 0.0, x / golden);
+        }
+    REQUIRE(corners.size() == 20);
+    for (int k = 0; k < 40; ++k) {
+        const double u = 0.3 + 0.1 * k, v = 0.7 * k, radius = std::ldexp(1.0, k % 20);
+        std::vector<glm::dvec3> sites;
+        for (const glm::dvec3& p : corners) {
+            const glm::dvec3 turned(std::cos(u) * p.x - std::sin(u) * p.y, std::sin(u) * p.x + std::cos(u) * p.y, p.z);
+            sites.push_back(0.5
+                            + radius
+                                  * glm::dvec3(turned.x, std::cos(v) * turned.y - std::sin(v) * turned.z,
+                                               std::sin(v) * turned.y + std::cos(v) * turned.z));
+        }
+        CAPTURE(k);
+        const auto diagram = voronoi_diagram(sites, unit_box);
+        REQUIRE(diagram);
+        check_structure(*diagram);
+        check_vertices(*diagram, sites, 1e-12 * radius);
+    }
+}
+
 TEST_CASE("random diagrams are sound at every size, offset and scale") {
     for (const uint32_t count : {3u, 4u, 5u, 10u, 100u, 1000u}) {
         CAPTURE(count);

@@ -111,6 +111,53 @@ TEST_CASE("the error bounds of values and pierce positions contain the true erro
     CHECK(worst_pierce > 0.005);
 }
 
+TEST_CASE("the error bound of a pierce position contains what values within their error make of it") {
+    Random random(51);
+    constexpr double error = 1e-4; // far above rounding
+    double worst = 0.0;
+    for (int i = 0; i < 2000; ++i) {
+        const auto point = [&] { return random.uniform_in(unit_box) * 2.0 - 1.0; };
+        const Bisector a = make_bisector(point(), point()), b = make_bisector(point(), point());
+        const dvec3 d = glm::cross(a.n, b.n);
+        // In half of the cases an edge of the triangle is across the line, so that the third corner alone moves along it.
+        const dvec3 from = point(), way = point();
+        const Corners y{from, i % 2 ? from + glm::cross(d, way) : point(), point()};
+        const dvec3 va = point();
+        // The line passes near that edge: c2 is about 0.
+        const double share = random.uniform_in(unit_box).x;
+        const dvec3 vb = i % 4 < 2 ? dvec3(share * va.x, share * va.y, point().z) : point();
+        const PiercePosition exact = pierce_position(a, b, y, va, vb, 0.0);
+        const auto wrong = [&] { return random.next() % 2 ? error : -error; };
+        const dvec3 wa = va + dvec3(wrong(), wrong(), wrong()), wb = vb + dvec3(wrong(), wrong(), wrong());
+        const PiercePosition found = pierce_position(a, b, y, wa, wb, error);
+        if (!std::isfinite(found.error)) continue;
+        REQUIRE(std::abs(found.t - exact.t) <= found.error + exact.error);
+        worst = std::max(worst, std::abs(found.t - exact.t) / found.error);
+    }
+    CHECK(worst > 0.05);
+}
+
+TEST_CASE("with exact values the filter of three bisectors answers no wrong sign, however small the determinant") {
+    Random random(52);
+    int decided = 0;
+    for (int i = 0; i < 4000; ++i) {
+        const double scale = std::ldexp(1.0, static_cast<int>(random.next() % 61) - 30);
+        const auto values = [&] { return (random.uniform_in(unit_box) * 2.0 - 1.0) * scale; };
+        const dvec3 a = values(), l = values();
+        // b lies in the plane of a and (1, 1, 1) but for rounding, or a little above it.
+        const dvec3 weights = random.uniform_in(unit_box);
+        dvec3 b = weights.x * a + dvec3(weights.y * scale);
+        if (i % 2) b += values() * std::ldexp(1.0, -static_cast<int>(random.next() % 60));
+        const int sign = side3_filter(a, b, l, 0.0);
+        if (sign == 0) continue;
+        ++decided;
+        const Vec minors = cross(vec(a), vec(b));
+        const Rational numerator = dot(vec(l), minors), denominator = minors.x + minors.y + minors.z;
+        REQUIRE(numerator.sign() * denominator.sign() == sign);
+    }
+    CHECK(decided > 500);
+}
+
 TEST_CASE("on random input the filters decide all but a few signs in ten thousand") {
     Random random(6);
     Scene scene = random_scene(random);
