@@ -394,7 +394,8 @@ TEST_CASE("scene glue: too many joints of one group are refused, and many groups
         for (int k = 0; k < 40; ++k)
             for (const double y : {0.1, 0.3})
                 all += ", "
-                       + box("block " + std::to_string(2 * k + (y > 0.2)), std::to_string(apart * k) + ", " + std::to_string(y) + ", 0", "0.1, 0.1, 0.1",
+                       + box("block " + std::to_string(2 * k + (y > 0.2)),
+                             std::to_string(apart * k) + ", " + std::to_string(y) + ", 0", "0.1, 0.1, 0.1",
                              R"("material": "stone", "min_size": 0.5)");
         return all;
     };

@@ -281,12 +281,12 @@ void check_joints(std::span<const PreparedObject> objects) {
         for (const uint32_t k : members)
             joints += static_cast<size_t>(std::ranges::count(objects[k].glue, true, &PreparedGlue::by_joint));
         if (joints > max_glue_joints)
-            throw Failure(exit_input, "/glue: " + std::to_string(members.size())
-                                          + " objects that start whole and break are glued to each other by "
-                                          + std::to_string(joints) + " contacts; at most "
-                                          + std::to_string(max_glue_joints)
-                                          + " can hold one group; cut some at the start with \"bonded\": true, or keep them whole "
-                                            "with \"breakable\": false");
+            throw Failure(exit_input,
+                          "/glue: " + std::to_string(members.size())
+                              + " objects that start whole and break are glued to each other by "
+                              + std::to_string(joints) + " contacts; at most " + std::to_string(max_glue_joints)
+                              + " can hold one group; cut some at the start with \"bonded\": true, or keep them whole "
+                                "with \"breakable\": false");
     }
 }
 
