@@ -401,6 +401,18 @@ TEST_CASE("scene glue: too many joints of one group are refused, and many groups
     };
     const std::string everything = R"(, "glue": [{"between": ["*", "*"]}])";
     CHECK(Run(scene_of(blocks(0.25), everything)).simulation.world().joints().size() == 2 * 40 * 4);
+    // On something anchored each moves by itself, whichever comes first in the scene.
+    std::string tiles;
+    for (int k = 0; k < 120; ++k)
+        tiles += (k > 0 ? ", " : "")
+                 + box("tile " + std::to_string(k),
+                       std::to_string(0.15 * (k % 12) - 0.9) + ", " + std::to_string(0.15 * (k / 12) + 0.2) + ", 0.01",
+                       "0.05, 0.05, 0.01", R"("material": "ceramic", "min_size": 0.1)");
+    const std::string board =
+        box("board", "0, 1, -0.1", "1.1, 1, 0.1", R"("bonded": true, "anchored": true, "material": "wood")");
+    for (const std::string& all : {tiles + ", " + board, board + ", " + tiles})
+        CHECK(Run(scene_of(all, R"(, "glue": [{"between": ["tile*", "board"]}])")).simulation.world().joints().size()
+              >= 120);
     std::string message;
     try {
         const Run refused(scene_of(blocks(0.2), everything));

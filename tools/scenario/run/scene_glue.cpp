@@ -250,7 +250,12 @@ void add_contacts(const LoadedScene& scene, const Surfaces& surfaces, double tol
     }
 }
 
-// The groups that glue by joints, or else by bonds, holds together, by their first members. What is fixed joins none.
+// Whether an object ends the groups that joints hold together: what is anchored does not move.
+bool is_still(const PreparedObject& object) {
+    return object.fixed() || object.world.anchored;
+}
+
+// The groups that glue by joints, or else by bonds, holds together, by their first members.
 std::map<uint32_t, std::vector<uint32_t>> groups_of(std::span<const PreparedObject> objects, bool by_joint) {
     std::vector<uint32_t> leader(objects.size()); // union-find; the lowest object leads
     for (uint32_t k = 0; k < objects.size(); ++k) leader[k] = k;
@@ -265,6 +270,7 @@ std::map<uint32_t, std::vector<uint32_t>> groups_of(std::span<const PreparedObje
             is_glued[k] = true;
             if (objects[contact.other].fixed()) continue;
             is_glued[contact.other] = true;
+            if (by_joint && (is_still(objects[k]) || is_still(objects[contact.other]))) continue;
             const uint32_t a = leader_of(k), b = leader_of(contact.other);
             leader[std::max(a, b)] = std::min(a, b);
         }
@@ -276,10 +282,13 @@ std::map<uint32_t, std::vector<uint32_t>> groups_of(std::span<const PreparedObje
 
 // The joints of a group are solved together, in a time that grows faster than their number.
 void check_joints(std::span<const PreparedObject> objects) {
+    std::vector<size_t> joints_of(objects.size(), 0); // those of the object itself, and with earlier ones
+    for (uint32_t k = 0; k < objects.size(); ++k)
+        for (const PreparedGlue& contact : objects[k].glue)
+            if (contact.by_joint) ++joints_of[is_still(objects[k]) ? contact.other : k];
     for (const auto& [first, members] : groups_of(objects, true)) {
         size_t joints = 0;
-        for (const uint32_t k : members)
-            joints += static_cast<size_t>(std::ranges::count(objects[k].glue, true, &PreparedGlue::by_joint));
+        for (const uint32_t k : members) joints += joints_of[k];
         if (joints > max_glue_joints)
             throw Failure(exit_input,
                           "/glue: " + std::to_string(members.size())
