@@ -6,6 +6,7 @@
 #include <limits>
 #include <map>
 #include <string>
+#include <tuple>
 #include <utility>
 
 #include <glm/common.hpp>
@@ -247,7 +248,9 @@ struct Contact {
     uint32_t a = 0, b = 0;
     Cell cell{};
 
-    friend auto operator<=>(const Contact&, const Contact&) = default;
+    friend bool operator<(const Contact& x, const Contact& y) {
+        return std::tie(x.a, x.b, x.cell) < std::tie(y.a, y.b, y.cell);
+    }
 };
 using Sums = std::map<Contact, Sum>;
 
