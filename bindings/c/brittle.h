@@ -101,8 +101,8 @@ typedef struct brittle_allocator {
  * back to the allocator that it came from, so handles stay valid, and an allocator must stay valid until all of its
  * blocks came back. Both functions are called by any thread, several at a time, and must not call the library. Where
  * `allocate` returns NULL, the call returns out_of_memory; but functions that load or save meshes and pieces, and those
- * of recipes and runs, take from the C library what it refuses. oneTBB and Bullet (where hulls are made, and in worlds with its engine) have memory
- * of their own. Errors: invalid_argument where only one of the functions is NULL. */
+ * of recipes and runs, take from the C library what it refuses. oneTBB and Bullet (where hulls are made, and in worlds
+ * with its engine) have memory of their own. Errors: invalid_argument where only one of the functions is NULL. */
 BRITTLE_API brittle_status brittle_set_allocator(const brittle_allocator* allocator, brittle_error* error);
 
 /* ---- Arrays ---------------------------------------------------------------------------------------------------- */

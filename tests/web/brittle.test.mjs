@@ -7,7 +7,7 @@ import path from "node:path";
 import test from "node:test";
 
 import { BrittleError, Mesh, fracture, init, load, shape, version } from "../../build/web/brittle-fracture/brittle.js";
-import { column } from "./column.mjs";
+import { column, tetrahedron } from "./models.mjs";
 
 const ROOT = new URL("../../", import.meta.url).pathname;
 const BUNNY = "/usr/share/glmark2/models/bunny.obj";
@@ -120,17 +120,7 @@ test("a mesh gives the normals, texture coordinates, colours and materials of it
     }
     assert.equal(uv.length, 2 * triangles.length);
     assert.deepEqual([mesh.uv2.length, mesh.colours.length], [0, 0]);
-    const coloured = await load(Buffer.from(`COFF
-4 4 6
-0 0 0 255 0 0 255
-1 0 0 0 0 255 255
-0 1 0 255 0 0 255
-0 0 1 255 0 0 255
-3 0 2 1
-3 0 1 3
-3 1 2 3
-3 2 0 3
-`), ".off");
+    const red = "255 0 0", coloured = await load(Buffer.from(tetrahedron(red, "0 0 255", red, red)), ".off");
     assert.deepEqual([...coloured.colours], [...coloured.triangles].flatMap((v) => v === 1 ? [0, 0, 1, 1] : [1, 0, 0, 1]));
     assert.deepEqual([coloured.uv.length, coloured.materials.length], [0, 0]);
 });

@@ -8,7 +8,7 @@ import path from "node:path";
 import test from "node:test";
 
 import { load, materials } from "../../build/web/brittle-fracture/brittle.js";
-import { CAPS, SIDES, column } from "./column.mjs";
+import { CAPS, SIDES, column, tetrahedron } from "./models.mjs";
 
 const ROOT = new URL("../../", import.meta.url).pathname, PICTURES = path.join(ROOT, "build/web/pictures");
 const { chromium } = createRequire(path.join(ROOT, "build/web/package.json"))("playwright-core");
@@ -377,17 +377,7 @@ test("textures of a .gltf file and colours of vertices are shown", async () => {
     assert.match(await text(page, "notice"), /Texture number 0 cannot be shown: it lies in another file, flag\.png/);
     await page.locator("#close").click();
     assert.equal((await pixels(page, RED)).count, 0);
-    await show("painted.off", `COFF
-4 4 6
-0 0 0 255 0 0 255
-1 0 0 255 0 0 255
-0 1 0 255 0 0 255
-0 0 1 255 0 0 255
-3 0 2 1
-3 0 1 3
-3 1 2 3
-3 2 0 3
-`);
+    await show("painted.off", tetrahedron(...Array(4).fill("255 0 0")));
     assert.ok((await pixels(page, RED)).count > 10_000);
     await page.leave();
 });

@@ -93,7 +93,6 @@ export class View {
     #moved(material, coloured) {
         material.onBeforeCompile = (shader) => {
             Object.assign(shader.uniforms, this.#uniforms, { poses: { value: null } });
-            material.userData.shader = shader;
             shader.vertexShader = MOVE + shader.vertexShader.replace("#include <begin_vertex>", `#include <begin_vertex>${MOVE_POINT}`)
                 .replace("#include <beginnormal_vertex>", `#include <beginnormal_vertex>${coloured ? MOVE_NORMAL : ""}`);
             if (coloured)

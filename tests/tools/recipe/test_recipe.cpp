@@ -428,6 +428,8 @@ TEST_CASE("recipe: an unknown key or a bad value is named by its path, with what
          "/world/joints/0/max_torque: only a fixed joint breaks by torque");
     says(R"({"brittle": 1, "world": {"joints": [{"kind": "hinge", "axis": [0, 0, 0]}]}})",
          "/world/joints/0/axis: expected a direction");
+    says(R"({"brittle": 1, "world": {"joints": [{"kind": "fixed", "axis": [0, 0, 0]}]}})",
+         "/world/joints/0/axis: expected a direction");
     says(R"({"brittle": 1, "world": {"joints": [{"to": [0, 1, 0], "min_length": 2, "max_length": 1}]}})",
          "/world/joints/0/max_length: is below min_length");
     says(R"({"brittle": 1, "world": {"joints": [{"kind": "ball", "links": 3}]}})",

@@ -206,7 +206,8 @@ void read_joint(JsonReader& reader, JointOptions& joint) {
     reader.number("max_torque", joint.max_torque, 0.0, 1e12);
     reader.whole("links", joint.links, 0, max_links);
     reader.number("link_radius", joint.link_radius, 0.001, 1.0);
-    if (joint.kind == physics::JointKind::hinge && glm::length(joint.axis) < 1e-6)
+    const bool has_axis = joint.kind == physics::JointKind::hinge || joint.kind == physics::JointKind::fixed;
+    if (has_axis && glm::length(joint.axis) < 1e-6)
         throw reader.failure("axis",
                              "expected a direction, such as [0, 1, 0], found " + shown(vector_json(joint.axis)));
     if (joint.max_length && *joint.max_length < joint.min_length)

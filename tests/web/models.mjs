@@ -1,8 +1,22 @@
-// A column of 1 x 2 x 1 m as a GLB file: its caps are green, material 0; its sides, material 1, have an image from their upper
-// to their lower end. The vertices of its faces are apart, as exporters write them.
-export const SIDES = 8, CAPS = 2; // m^2
+// Models with colours, as files.
 
-/** Where the image is damaged the sides have `factor`. */
+/** An OFF file of a tetrahedron whose corners have these colours, each three numbers from 0 to 255. */
+export const tetrahedron = (...colours) => `COFF
+4 4 6
+${["0 0 0", "1 0 0", "0 1 0", "0 0 1"].map((corner, k) => `${corner} ${colours[k]} 255`).join("\n")}
+3 0 2 1
+3 0 1 3
+3 1 2 3
+3 2 0 3
+`;
+
+export const SIDES = 8, CAPS = 2; // m^2, of a column
+
+/**
+ * A GLB file of a column of 1 x 2 x 1 m: its caps are green, material 0; its sides, material 1, have an image from their upper
+ * to their lower end. The vertices of its faces are apart, as exporters write them. Where the image is damaged the sides have
+ * `factor`.
+ */
 export function column(image, factor = [1, 1, 1, 1]) {
     const corners = [[[0, 0, 1], [1, 0, 1], [1, 2, 1], [0, 2, 1]], [[1, 0, 1], [1, 0, 0], [1, 2, 0], [1, 2, 1]],
                      [[1, 0, 0], [0, 0, 0], [0, 2, 0], [1, 2, 0]], [[0, 0, 0], [0, 0, 1], [0, 2, 1], [0, 2, 0]],
