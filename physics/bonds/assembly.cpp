@@ -30,10 +30,6 @@ PartPlacement placement_in(const Pose& first, const Pose& part) {
     return placement;
 }
 
-bool is_turned(const PartPlacement& placement) {
-    return placement.turn != PartPlacement{}.turn;
-}
-
 Result<void> check_glue(std::span<const AssemblyPart> parts, const GlueBond& bond, size_t index) {
     const auto wrong = [&](const std::string& what) {
         return Error{Status::invalid_setting, "glue bond " + std::to_string(index) + ": " + what};
@@ -67,14 +63,13 @@ class Builder {
         const auto pieces = static_cast<uint32_t>(all_.pieces.size());
         const auto positions = static_cast<uint32_t>(all_.positions.size());
         const auto triangles = static_cast<uint32_t>(all_.triangles.size());
-        const glm::dmat3 axes = glm::mat3_cast(placement.turn);
         for (const glm::dvec3& p : from.positions) all_.positions.push_back(placement.to_structure(p));
         all_.triangles.insert(all_.triangles.end(), from.triangles.begin(), from.triangles.end());
         for (Piece piece : from.pieces) {
             piece.vertices = {piece.vertices.begin + positions, piece.vertices.end + positions};
             piece.triangles = {piece.triangles.begin + triangles, piece.triangles.end + triangles};
             piece.mass.centre_of_mass = placement.to_structure(piece.mass.centre_of_mass);
-            if (is_turned(placement)) piece.mass.inertia = axes * piece.mass.inertia * glm::transpose(axes);
+            piece.mass.inertia = placement.to_structure(piece.mass.inertia);
             all_.pieces.push_back(piece);
         }
         for (fracture::Bond bond : from.bonds) {
@@ -116,14 +111,8 @@ class Builder {
         if (hulls.empty())
             for (const auto& hull : desc.hulls.empty() ? collision_hulls(*part.fragments, desc.hull) : desc.hulls)
                 hulls.push_back({{hull}});
-        for (std::vector<BodyPart>& of_piece : hulls) {
-            for (BodyPart& hull : of_piece) {
-                if (!is_turned(placement)) continue;
-                hull.hull = std::make_shared<const CollisionHull>(turned(*hull.hull, placement.turn));
-                hull.offset = glm::vec3(placement.turn * glm::dvec3(hull.offset));
-            }
-            desc_.piece_parts.push_back(std::move(of_piece));
-        }
+        for (std::vector<BodyPart>& of_piece : hulls)
+            desc_.piece_parts.push_back(placement.to_structure(std::move(of_piece)));
     }
 
     // Mirrors the piece's centre of mass at the contact, at least as far away as the contact is wide: a concave piece
@@ -149,6 +138,21 @@ class Builder {
 };
 
 } // namespace
+
+glm::dmat3 PartPlacement::to_structure(const glm::dmat3& inertia) const {
+    if (!is_turned()) return inertia;
+    const glm::dmat3 axes = glm::mat3_cast(turn);
+    return axes * inertia * glm::transpose(axes);
+}
+
+std::vector<BodyPart> PartPlacement::to_structure(std::vector<BodyPart> hulls) const {
+    if (!is_turned()) return hulls;
+    for (BodyPart& hull : hulls) {
+        hull.hull = std::make_shared<const CollisionHull>(turned(*hull.hull, turn));
+        hull.offset = glm::vec3(turn * glm::dvec3(hull.offset));
+    }
+    return hulls;
+}
 
 Result<Assembly> assemble(World& world, std::span<const AssemblyPart> parts, std::span<const GlueBond> glue) {
     if (parts.empty()) return Error{Status::invalid_setting, "an assembly needs a part"};

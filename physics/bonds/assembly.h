@@ -21,6 +21,7 @@
 #include <vector>
 
 #include <glm/gtc/quaternion.hpp>
+#include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
 
 #include "fracture/pieces/fragments.h"
@@ -58,6 +59,11 @@ struct PartPlacement {
 
     [[nodiscard]] glm::dvec3 to_structure(const glm::dvec3& p) const { return move + turn * p; }
     [[nodiscard]] glm::dvec3 to_part(const glm::dvec3& p) const { return glm::conjugate(turn) * (p - move); }
+    [[nodiscard]] bool is_turned() const { return turn != PartPlacement{}.turn; }
+    // Of a piece, about its centre of mass, from the axes of the part to those of the structure. The same bits where the
+    // part is not turned.
+    [[nodiscard]] glm::dmat3 to_structure(const glm::dmat3& inertia) const;
+    [[nodiscard]] std::vector<BodyPart> to_structure(std::vector<BodyPart> hulls) const;
 };
 
 struct Assembly {

@@ -43,29 +43,60 @@ BondGraph::BondGraph(const fracture::Fragments& fragments, const Material& mater
 BondGraph::BondGraph(const fracture::Fragments& fragments, std::vector<Material> materials)
     : materials_(std::move(materials)) {
     assert(materials_.size() == 1 || materials_.size() == fragments.bonds.size());
-    const auto count = static_cast<uint32_t>(fragments.pieces.size());
-    first_.assign(count + 1, 0);
+    for (const fracture::Piece& piece : fragments.pieces) centres_.push_back(piece.mass.centre_of_mass);
+    const auto count = static_cast<uint32_t>(centres_.size());
     for (const fracture::Bond& from : fragments.bonds) {
         Bond bond{from.a, from.b, from.area, from.centroid, from.normal};
         if (materials_.size() > 1) bond.material = static_cast<uint32_t>(bonds_.size());
         const bool sound =
             from.a < count && from.b < count && from.a != from.b && from.area > 0.0 && std::isfinite(from.area);
-        if (sound) {
-            const glm::dvec3 span =
-                fragments.pieces[from.b].mass.centre_of_mass - fragments.pieces[from.a].mass.centre_of_mass;
-            bond.lever = std::min(1.0, from.area / std::max(glm::dot(span, span), 1e-300));
-            bond.share = contact_strength_share(material_of(bond), from.area);
-            ++first_[from.a + 1], ++first_[from.b + 1];
-        } else {
+        if (sound)
+            find_strength(bond);
+        else
             bond.health = 0.0;
-        }
         bonds_.push_back(bond);
     }
+    list_bonds();
+}
+
+// Sets what follows from the area and from the places of both pieces.
+void BondGraph::find_strength(Bond& bond) const {
+    const glm::dvec3 span = centres_[bond.b] - centres_[bond.a];
+    bond.lever = std::min(1.0, bond.area / std::max(glm::dot(span, span), 1e-300));
+    bond.share = contact_strength_share(material_of(bond), bond.area);
+}
+
+// Lists the live bonds by piece.
+void BondGraph::list_bonds() {
+    first_.assign(centres_.size() + 1, 0);
+    for (const Bond& bond : bonds_)
+        if (bond.live()) ++first_[bond.a + 1], ++first_[bond.b + 1];
     std::partial_sum(first_.begin(), first_.end(), first_.begin());
     of_piece_.resize(first_.back());
     std::vector<uint32_t> next(first_.begin(), first_.end() - 1);
     for (uint32_t i = 0; i < bonds_.size(); ++i)
         if (bonds_[i].live()) of_piece_[next[bonds_[i].a]++] = of_piece_[next[bonds_[i].b]++] = i;
+}
+
+void BondGraph::divide(uint32_t piece, std::span<const glm::dvec3> centres, std::span<const BondShare> shares) {
+    const auto first = static_cast<uint32_t>(piece_count());
+    centres_.insert(centres_.end(), centres.begin(), centres.end());
+    for (auto at = shares.begin(); at != shares.end();) {
+        const uint32_t index = at->bond;
+        const Bond whole = bonds_[index];
+        for (const auto begin = at; at != shares.end() && at->bond == index; ++at) {
+            Bond bond = whole;
+            (whole.a == piece ? bond.a : bond.b) = first + at->part;
+            bond.area = whole.area * at->share;
+            bond.centroid = at->centroid;
+            find_strength(bond);
+            if (at == begin)
+                bonds_[index] = bond;
+            else
+                bonds_.push_back(bond);
+        }
+    }
+    list_bonds();
 }
 
 std::span<const uint32_t> BondGraph::bonds_of(uint32_t piece) const {

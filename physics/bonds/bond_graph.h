@@ -36,6 +36,14 @@
 
 namespace brittle::physics {
 
+// The share of a bond that goes to a part of one of its pieces.
+struct BondShare {
+    uint32_t bond = 0;
+    uint32_t part = 0;        // of those that the piece is cut into
+    double share = 1.0;       // of the area, 0 .. 1
+    glm::dvec3 centroid{0.0}; // of this share
+};
+
 class BondGraph {
   public:
     struct Bond {
@@ -63,6 +71,12 @@ class BondGraph {
     [[nodiscard]] std::span<const uint32_t> bonds_of(uint32_t piece) const;
     [[nodiscard]] size_t live_count() const;
     [[nodiscard]] std::span<const Material> materials() const { return materials_; } // one of all bonds, or one a bond
+
+    // Replaces a piece by parts with these centres of mass, whose numbers begin at piece_count(). The piece itself stays,
+    // without bonds. `shares` divide its live bonds, as share_bonds() does (bond_shares.h): the first share of a bond
+    // takes the place of the whole, the others are added behind all bonds. Health stays as it was. The parts have no
+    // bonds between them.
+    void divide(uint32_t piece, std::span<const glm::dvec3> centres, std::span<const BondShare> shares);
 
     // Takes `share` (0 .. 1) of health from a bond. A bond that breaks is listed by take_broken().
     void weaken(uint32_t bond, double share);
@@ -97,11 +111,14 @@ class BondGraph {
   private:
     [[nodiscard]] const Material& material_of(const Bond& bond) const { return materials_[bond.material]; }
     [[nodiscard]] double energy_share(const Bond& bond) const;
+    void find_strength(Bond& bond) const;
+    void list_bonds();
 
     std::vector<Material> materials_;
+    std::vector<glm::dvec3> centres_; // of mass, by piece
     std::vector<Bond> bonds_;
     std::vector<uint32_t> first_;    // by piece: begin of its range in of_piece_; piece_count() + 1 entries
-    std::vector<uint32_t> of_piece_; // bonds, grouped by piece
+    std::vector<uint32_t> of_piece_; // bonds, grouped by piece; without those that were broken when they were listed
     std::vector<uint32_t> broken_;
 };
 

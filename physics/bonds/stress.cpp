@@ -122,6 +122,26 @@ void StressSolver::remove_bonds(std::span<const uint32_t> bonds) {
     if (any) build(changed);
 }
 
+void StressSolver::divide(uint32_t node, std::span<const StressNode> parts, std::span<const StressBond> bonds) {
+    const auto first = static_cast<uint32_t>(nodes_.size());
+    const auto is_changed = [&](uint32_t index) { return index == node || index >= first; };
+    for (const StressNode& part : parts) {
+        nodes_.push_back(part);
+        const NodeVector& whole = x_[node];
+        x_.push_back({whole.linear + glm::cross(whole.angular, part.centre - nodes_[node].centre), whole.angular});
+    }
+    nodes_[node].fixed = false;
+    x_[node] = {};
+    applied_[node] = {};
+    applied_.resize(nodes_.size());
+    bonds_.assign(bonds.begin(), bonds.end());
+    std::vector<uint8_t> changed(nodes_.size(), 0);
+    for (uint32_t index = 0; index < nodes_.size(); ++index) changed[index] = is_changed(index);
+    for (const StressBond& bond : bonds_)
+        if (bond.area > 0.0 && (is_changed(bond.a) || is_changed(bond.b))) changed[bond.a] = changed[bond.b] = 1;
+    build(changed);
+}
+
 void StressSolver::release(std::span<const uint32_t> nodes) {
     bool any = false;
     for (const uint32_t node : nodes) any = std::exchange(nodes_[node].fixed, false) || any;

@@ -85,6 +85,10 @@ class StressSolver {
     void set_loads(std::span<const NodeLoad> loads);
     // Removes bonds. The displacements so far are the initial guess.
     void remove_bonds(std::span<const uint32_t> bonds);
+    // Replaces a node by parts, whose numbers begin at node_count(). The node itself stays, without bonds and load.
+    // `bonds` are all bonds from now on, in the order so far, new ones last. The parts start with the displacement of
+    // the node, and without load.
+    void divide(uint32_t node, std::span<const StressNode> parts, std::span<const StressBond> bonds);
     // Makes fixed nodes free.
     void release(std::span<const uint32_t> nodes);
 

@@ -1,6 +1,7 @@
 #include "physics/bonds/structure.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <map>
 #include <string>
@@ -9,9 +10,9 @@
 #include <glm/geometric.hpp>
 
 #include "fracture/base/threads.h"
+#include "physics/bonds/bond_shares.h"
 #include "physics/world/body_motion.h"
 #include "physics/world/crowd.h"
-#include "physics/world/piece_mass.h"
 #include "physics/world/state_hash.h"
 
 namespace brittle::physics {
@@ -61,20 +62,11 @@ Result<Structure> Structure::create(World& world, const Fragments& fragments, co
     for (const Piece& piece : fragments.pieces) {
         const Material& material =
             desc.piece_materials.empty() ? desc.material : desc.piece_materials[structure.pieces_.size()];
-        const BodyMass mass = piece_mass(fragments, piece, material.density);
-        PieceState& state = structure.pieces_.emplace_back();
-        state.centre = piece.mass.centre_of_mass;
-        state.mass = mass.mass;
-        state.inertia = mass.inertia;
-        state.impact_threshold = breaking_force(material, std::pow(mass.mass / material.density, 2.0 / 3.0))
-                                 * static_cast<double>(impact_seconds);
-        state.friction = material.friction;
-        state.restitution = material.restitution;
-        if (desc.piece_parts.empty())
-            state.parts = {{hulls[all.size()]}};
-        else
-            state.parts = desc.piece_parts[all.size()];
-        all.push_back(static_cast<uint32_t>(all.size()));
+        const auto index = static_cast<uint32_t>(all.size());
+        structure.pieces_.push_back(
+            state_of(piece.mass.centre_of_mass, piece_mass(fragments, piece, material.density), material,
+                     desc.piece_parts.empty() ? std::vector<BodyPart>{{hulls[index]}} : desc.piece_parts[index]));
+        all.push_back(index);
     }
     for (const uint32_t piece : desc.anchored) structure.pieces_[piece].anchored = true;
     for (const uint32_t piece : desc.supports) {
@@ -93,14 +85,13 @@ Result<Structure> Structure::create(World& world, const Fragments& fragments, co
     structure.changes_ = {};
     const auto object_of = [&](uint32_t piece) { return desc.piece_objects.empty() ? 0 : desc.piece_objects[piece]; };
     for (const BodyState& body : structure.bodies_) {
-        std::map<uint32_t, size_t> counts;
-        for (const uint32_t piece : body.pieces) ++counts[object_of(piece)];
+        std::map<uint32_t, double> counts;
+        for (const uint32_t piece : body.pieces) counts[object_of(piece)] += structure.pieces_[piece].count;
         for (const uint32_t piece : body.pieces) structure.pieces_[piece].initial_pieces = counts[object_of(piece)];
     }
     if (!desc.wear.enabled) return structure;
     std::vector<StressNode> nodes;
-    for (const PieceState& piece : structure.pieces_)
-        nodes.push_back({piece.centre, piece.mass, piece.inertia, piece.anchored});
+    for (const PieceState& piece : structure.pieces_) nodes.push_back(stress_node(piece));
     structure.wear_ = Wear(nodes, structure.graph_, desc.wear);
     return structure;
 }
@@ -205,6 +196,22 @@ Result<void> Structure::add_islands(World& world, std::span<const std::vector<ui
     return {};
 }
 
+Structure::PieceState Structure::state_of(const glm::dvec3& centre, const BodyMass& mass, const Material& material,
+                                          std::vector<BodyPart> hulls) {
+    return {.centre = centre,
+            .mass = mass.mass,
+            .inertia = mass.inertia,
+            .impact_threshold = breaking_force(material, std::pow(mass.mass / material.density, 2.0 / 3.0))
+                                * static_cast<double>(impact_seconds),
+            .parts = std::move(hulls),
+            .friction = material.friction,
+            .restitution = material.restitution};
+}
+
+StressNode Structure::stress_node(const PieceState& piece) {
+    return {piece.centre, piece.mass, piece.inertia, piece.anchored};
+}
+
 // Precomputes the body forms of single pieces for when they come off. Most of the cost is the cross section.
 void Structure::make_forms(uint32_t threads) {
     const auto count = static_cast<uint32_t>(pieces_.size());
@@ -236,6 +243,7 @@ BodyDesc Structure::describe(const std::vector<uint32_t>& island, const Motion& 
         }
         mass += pieces_[piece].mass;
         body.centre += pieces_[piece].mass * pieces_[piece].centre;
+        body.count += part.count;
         body.fixed = body.fixed || pieces_[piece].anchored;
     }
     body.centre = island.size() == 1 ? pieces_[island[0]].centre : body.centre / mass;
@@ -354,6 +362,38 @@ std::optional<PlacedMotion> Structure::take_piece(World& world, uint32_t piece) 
     return placed;
 }
 
+bool Structure::divide(World& world, uint32_t piece, std::span<const Part> parts) {
+    const uint32_t body = pieces_[piece].body;
+    const auto is_sound = [](const Part& part) { return is_possible(part.mass); };
+    if (!exists(world, body) || !std::ranges::all_of(parts, is_sound)) return false;
+    assert(!parts.empty());
+    std::vector<PlacedHulls> hulls;
+    std::vector<glm::dvec3> centres;
+    for (const Part& part : parts) {
+        hulls.push_back({part.hulls, part.centre});
+        centres.push_back(part.centre);
+    }
+    const auto hulls_of = [&](uint32_t index) { return PlacedHulls{pieces_[index].parts, pieces_[index].centre}; };
+    graph_.divide(piece, centres, share_bonds(graph_, piece, hulls_of, hulls));
+    std::vector<StressNode> nodes;
+    std::vector<uint32_t>& together = bodies_[body].pieces;
+    std::erase(together, piece);
+    for (const Part& part : parts) {
+        together.push_back(static_cast<uint32_t>(pieces_.size()));
+        PieceState& state = pieces_.emplace_back(state_of(part.centre, part.mass, part.material, part.hulls));
+        state.form = part.form;
+        state.body = body;
+        state.initial_pieces = pieces_[piece].initial_pieces;
+        state.count = pieces_[piece].count * part.mass.mass / pieces_[piece].mass;
+        state.anchored = part.anchored && pieces_[piece].anchored;
+        nodes.push_back(stress_node(state));
+    }
+    pieces_[piece].body = none;
+    if (desc_.wear.enabled) wear_.divide(piece, nodes, graph_);
+    replace(world, {body, graph_.islands(together)});
+    return true;
+}
+
 void Structure::remove_body(World& world, uint32_t piece) {
     if (pieces_[piece].body == none) return;
     BodyState& body = bodies_[pieces_[piece].body];
@@ -404,7 +444,7 @@ std::span<const uint32_t> Structure::pieces_of_body(uint32_t piece) const {
 bool Structure::is_detached(uint32_t piece) const {
     if (pieces_[piece].body == none) return false;
     const BodyState& body = bodies_[pieces_[piece].body];
-    return !body.fixed && 2 * body.pieces.size() <= pieces_[piece].initial_pieces;
+    return !body.fixed && 2.0 * body.count <= pieces_[piece].initial_pieces;
 }
 
 glm::vec3 Structure::offset(uint32_t piece) const {

@@ -31,6 +31,7 @@
 //   several hulls meets only what it touches.
 // - A joint of a body goes on with the island of the piece that is nearest to its anchor. Its impulses are not taken
 //   back by a rewind.
+// - A piece that is cut goes on as its parts: divide() gives each of them the bonds that its area bears.
 // - A single piece that comes off while more bodies collide than the limit allows becomes debris (crowd.h). A body of
 //   several bonded pieces never does.
 // - An assembly has pieces of several objects: with materials and hulls of their own, bonds of glue with a strength of
@@ -64,6 +65,7 @@
 #include "physics/material.h"
 #include "physics/world/hull.h"
 #include "physics/world/joint.h"
+#include "physics/world/piece_mass.h"
 #include "physics/world/pieces.h"
 #include "physics/world/world.h"
 
@@ -134,6 +136,20 @@ class Structure {
     // returned motion is that of the fragments' coordinate system: parts that the piece is cut into continue it
     // (StructureDesc::motion).
     std::optional<PlacedMotion> take_piece(World& world, uint32_t piece);
+    // A part of a piece that is cut.
+    struct Part {
+        glm::dvec3 centre{0.0};                 // of mass, in the fragments
+        BodyMass mass{};                        // kg, kg m^2
+        std::vector<BodyPart> hulls{};          // from the centre of mass
+        std::shared_ptr<const BodyForm> form{}; // of its body while alone and free; null: none was made ahead
+        Material material{};
+        bool anchored = false; // has an effect on the parts of an anchored piece alone
+    };
+    // Replaces a piece by its parts, at least one, whose numbers begin at piece_count(); the piece itself stays without
+    // a body. Each bond of the piece goes to the parts that its area lies on (bond_shares.h), so the neighbours hold
+    // what touches them, and the rest comes off. The body is replaced in the world by those of its islands, which
+    // continue its motion. False, without effect, for a removed piece, and where no body can have the mass of a part.
+    bool divide(World& world, uint32_t piece, std::span<const Part> parts);
     // Removes the body of a piece, with all its pieces, from world and structure; to remove one of several pieces would
     // change the mass of a moving body. The bonds of these pieces break.
     void remove_body(World& world, uint32_t piece);
@@ -146,11 +162,13 @@ class Structure {
     [[nodiscard]] const Wear& wear() const { return wear_; }
     [[nodiscard]] size_t piece_count() const { return pieces_.size(); }
     [[nodiscard]] BodyId body_of(uint32_t piece) const; // BodyId{} for a removed piece
+    // The piece at hull `part` of a body, or UINT32_MAX if the body is not of this structure.
+    [[nodiscard]] uint32_t piece_at(BodyId body, uint32_t part) const;
     [[nodiscard]] bool anchored(uint32_t piece) const { return pieces_[piece].anchored; }
     // Returns all pieces of the piece's body, itself included, in ascending order; empty for a removed piece.
     [[nodiscard]] std::span<const uint32_t> pieces_of_body(uint32_t piece) const;
     // Returns whether the piece's body is not fixed and has at most half as many pieces as the piece's object had in
-    // the piece's first body.
+    // the piece's first body. The parts of a piece that was cut count as one, each by its share of the mass.
     [[nodiscard]] bool is_detached(uint32_t piece) const;
     // Returns the piece's centre of mass in body coordinates, m; zero for a removed piece. With `centre` the piece's
     // centre of mass in the fragments, vertex p of the fragments is at p - centre in the pose of visit_poses(), and at
@@ -173,11 +191,12 @@ class Structure {
         glm::dvec3 centre{0.0}; // of mass, in the fragments
         double mass = 0.0;      // kg
         glm::dmat3 inertia{0.0};
-        double impact_threshold = 0.0;        // N s by 1 kg; a harder blow is an Impact
-        std::vector<BodyPart> parts;          // hulls, from the centre of mass; none of a support
-        std::shared_ptr<const BodyForm> form; // of its body while alone and free; null if make_form() failed
-        uint32_t body = UINT32_MAX;           // index into bodies_; none once removed
-        size_t initial_pieces = 0;            // those of its object in its first body
+        double impact_threshold = 0.0;          // N s by 1 kg; a harder blow is an Impact
+        std::vector<BodyPart> parts;            // hulls, from the centre of mass; none of a support
+        std::shared_ptr<const BodyForm> form{}; // of its body while alone and free; null if make_form() failed
+        uint32_t body = UINT32_MAX;             // index into bodies_; none once removed
+        double initial_pieces = 0.0;            // those of its object in its first body
+        double count = 1.0;                     // of pieces: below 1 for a part of one
         float friction = 0.0f, restitution = 0.0f;
         bool anchored = false;
     };
@@ -186,6 +205,7 @@ class Structure {
         glm::dvec3 centre{0.0}; // of mass, in the fragments
         std::vector<uint32_t> pieces;
         std::vector<uint32_t> piece_of_part; // by hull; empty where each piece has one
+        double count = 0.0;                  // of pieces; less than pieces.size() with parts of a piece that was cut
         bool fixed = false;
     };
     struct Motion { // of a body, in the world
@@ -202,6 +222,9 @@ class Structure {
     Result<void> add_islands(World& world, std::span<const std::vector<uint32_t>> islands, const Motion& motion,
                              std::span<const uint8_t> debris);
     [[nodiscard]] BodyDesc describe(const std::vector<uint32_t>& island, const Motion& motion, BodyState& body) const;
+    static PieceState state_of(const glm::dvec3& centre, const BodyMass& mass, const Material& material,
+                               std::vector<BodyPart> hulls);
+    static StressNode stress_node(const PieceState& piece);
     void make_forms(uint32_t threads);
     // Returns 1 for each island of a split body that becomes debris because too many bodies collide, else 0.
     [[nodiscard]] std::vector<uint8_t> debris_of_islands(const World& world,
@@ -216,8 +239,6 @@ class Structure {
     }
     [[nodiscard]] bool exists(const World& world, uint32_t body) const;
     [[nodiscard]] uint32_t index_of(BodyId body) const; // into bodies_, or none
-    // Returns the piece at hull `part` of a body, or none if the body is not of this structure.
-    [[nodiscard]] uint32_t piece_at(BodyId body, uint32_t part) const;
     [[nodiscard]] std::vector<BondBlows::StepBlow> find_blows(const World& world) const;
     void apply_blow(const World& world, const BondBlows::JudgedBlow& judged);
     void wear_bonds(const World& world);

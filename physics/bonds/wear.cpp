@@ -15,6 +15,15 @@ constexpr double load_tolerance = 0.05, weight_tolerance = 0.01 * 9.81;
 // Averages below this share of that weight are set to zero.
 constexpr double min_contact_ratio = 1e-3;
 
+// A broken bond has no area.
+std::vector<StressBond> stress_bonds(const BondGraph& graph) {
+    std::vector<StressBond> bonds;
+    for (const BondGraph::Bond& bond : graph.bonds())
+        bonds.push_back({bond.live() ? bond.a : 0, bond.live() ? bond.b : 0, bond.live() ? bond.area : 0.0,
+                         bond.centroid, bond.normal});
+    return bonds;
+}
+
 } // namespace
 
 Wear::Wear(std::span<const StressNode> nodes, const BondGraph& graph, const WearSettings& settings)
@@ -22,17 +31,23 @@ Wear::Wear(std::span<const StressNode> nodes, const BondGraph& graph, const Wear
       ratios_(graph.bonds().size(), 0.0) {
     for (const Material& material : graph.materials())
         materials_.push_back(scale_strength(material, settings.strength_scale));
-    std::vector<StressBond> bonds;
-    for (const BondGraph::Bond& bond : graph.bonds())
-        bonds.push_back({bond.live() ? bond.a : 0, bond.live() ? bond.b : 0, bond.live() ? bond.area : 0.0,
-                         bond.centroid, bond.normal});
-    solver_ = StressSolver(nodes, bonds);
+    solver_ = StressSolver(nodes, stress_bonds(graph));
 }
 
 void Wear::remove_bonds(std::span<const uint32_t> bonds) {
     if (bonds.empty()) return;
     solver_.remove_bonds(bonds);
     for (const uint32_t bond : bonds) ratios_[bond] = 0.0;
+    ratios_due_ = true;
+}
+
+void Wear::divide(uint32_t node, std::span<const StressNode> parts, const BondGraph& graph) {
+    solver_.divide(node, parts, stress_bonds(graph));
+    for (std::vector<NodeLoad>* loads : {&mean_contact_loads_, &solver_loads_}) {
+        (*loads)[node] = {};
+        loads->resize(solver_.node_count());
+    }
+    ratios_.resize(graph.bonds().size(), 0.0);
     ratios_due_ = true;
 }
 

@@ -36,6 +36,8 @@ class Wear {
     Wear(std::span<const StressNode> nodes, const BondGraph& graph, const WearSettings& settings);
 
     void remove_bonds(std::span<const uint32_t> bonds);
+    // After graph.divide(): the node's parts, whose numbers begin at the number of nodes so far.
+    void divide(uint32_t node, std::span<const StressNode> parts, const BondGraph& graph);
     void release(std::span<const uint32_t> nodes);
 
     // Advances by one step of `seconds`. weights: by piece, the weight of pieces in fixed bodies, zero for others.

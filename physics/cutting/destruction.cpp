@@ -170,7 +170,7 @@ Pose Destruction::in_body(const Live& piece, const Pose& body) const {
 // A structure has the axes of its first object. The same pose, bit for bit, for a piece that is not turned against it.
 Pose Destruction::in_axes_of_object(const Live& piece, const Pose& pose) const {
     const PartPlacement& placement = objects_.at(piece.object).placement;
-    if (piece.bonded == none || placement.turn == PartPlacement{}.turn) return pose;
+    if (piece.bonded == none || !placement.is_turned()) return pose;
     return {pose.position, glm::quat(glm::normalize(glm::dquat(pose.orientation) * placement.turn))};
 }
 
@@ -186,7 +186,7 @@ BodyDesc Destruction::body_of(const SolidPiece& solid) {
 
 // Runs on the job's thread. A solid that cannot become a body is reported by add_piece().
 Destruction::Broken Destruction::broken_into(Result<std::vector<SolidPtr>> pieces, const SolidPiece& cut_from,
-                                             const PayloadMaker& payload) {
+                                             const BreakableDesc& desc, const std::optional<PartPlacement>& bonds) {
     Broken broken;
     if (!pieces) {
         broken.failure = pieces.error().message;
@@ -196,10 +196,29 @@ Destruction::Broken Destruction::broken_into(Result<std::vector<SolidPtr>> piece
     for (SolidPtr& solid : *pieces) {
         Made& made = broken.pieces.emplace_back();
         if (const Result<std::shared_ptr<const BodyForm>> form = make_form(body_of(*solid))) made.form = *form;
-        if (payload) made.payload = payload(*solid, &cut_from);
+        if (desc.payload) made.payload = desc.payload(*solid, &cut_from);
         made.solid = std::move(solid);
+        if (bonds) broken.parts.push_back(part_of(made, desc.solid.material, *bonds));
     }
     return broken;
+}
+
+// Runs on the job's thread.
+Structure::Part Destruction::part_of(const Made& made, const Material& material, const PartPlacement& placement) {
+    const SolidPiece& solid = *made.solid;
+    Structure::Part part{.centre = placement.to_structure(solid.mass.centre_of_mass),
+                         .mass = {solid.body.mass, placement.to_structure(solid.body.inertia)},
+                         .hulls = placement.to_structure(solid.parts),
+                         .form = made.form,
+                         .material = material,
+                         .anchored = solid.anchored};
+    if (!placement.is_turned()) return part;
+    BodyDesc body = body_of(solid);
+    body.parts = part.hulls;
+    body.inertia = glm::mat3(part.mass.inertia);
+    const Result<std::shared_ptr<const BodyForm>> form = make_form(body);
+    part.form = form ? *form : nullptr;
+    return part;
 }
 
 // `motion` is that of the point `from`, which is in the coordinates of the object.

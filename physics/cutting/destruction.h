@@ -27,8 +27,8 @@
 //     piece has at most one job. Later blows to it are summed; the hardest of them is kept for step 6.
 //  5. Commit, on the main thread. Both bodies get the contact's impulse back, less the share of energy that the cracks
 //     took. The piece's body is replaced by those of the new pieces, which inherit its motion, v + w x r. The contact
-//     is solved again, inelastically, with the piece nearest to it. (In a structure the contact stays as Structure
-//     solved it.)
+//     is solved again, inelastically, with the piece nearest to it. New pieces of a bonded piece keep the bonds that
+//     their areas bear (Structure::divide()); a contact that the structure has solved again stays as it is.
 //  6. Next blow. The piece nearest to the hardest waiting blow takes the summed blow, and may start its own job.
 //  7. Events. take_events() reports removed, added and fading pieces to a renderer.
 //
@@ -209,7 +209,8 @@ class Destruction {
     Result<ObjectId> add(World& world, const fracture::TriangleMesh& mesh, const BreakableDesc& desc);
     Result<ObjectId> add(World& world, SolidPtr whole, const BreakableDesc& desc, PayloadPtr payload = {});
     // Adds bonded pieces. Fails as Structure::create() does. `structure` describes the bonds between the pieces,
-    // `pieces` how each piece breaks. The parts of a broken piece are anchored by pieces.solid.anchors alone. `solids`
+    // `pieces` how each piece breaks. The parts of a broken piece are anchored by pieces.solid.anchors alone; while they
+    // are bonded, only those of an anchored piece are. `solids`
     // and `payloads` are results of solids_of() and payloads_of() that were made ahead, one a piece; the solids' hulls
     // are then the structure's.
     Result<ObjectId> add(World& world, const fracture::Fragments& fragments, const StructureDesc& structure,
@@ -267,7 +268,8 @@ class Destruction {
     // Pose of the piece's centre of mass in the axes of its object. Precondition: its body is in the world.
     [[nodiscard]] Pose pose(const World& world, PieceId piece) const { return *pose_of(world, pieces_.at(piece)); }
     // The bonds of an object, for damage by hand; null for an object without bonds. Glued objects share them. The
-    // indices of its pieces are those of bonded(): in order, the first PieceIds of the object.
+    // indices of its pieces are those of bonded(): in order, the first PieceIds of the object, then those of bonded
+    // pieces that were cut.
     [[nodiscard]] Structure* structure(ObjectId object);
     [[nodiscard]] const Structure* structure(ObjectId object) const;
     [[nodiscard]] std::vector<Structure*> structures(); // each once, in the order of their objects
@@ -336,9 +338,10 @@ class Destruction {
         PayloadPtr payload;
     };
     struct Broken {
-        std::vector<Made> pieces; // empty where the piece withstands, else two or more
-        bool chip = false;        // local damage: the contact stays as the world solved it
-        std::string failure;      // message of a failed cut; empty: none
+        std::vector<Made> pieces;           // empty where the piece withstands, else two or more
+        std::vector<Structure::Part> parts; // the same, of a piece that was bonded to others when the job started
+        bool chip = false;                  // local damage: the contact stays as the world solved it
+        std::string failure;                // message of a failed cut; empty: none
     };
     struct Motion { // of a piece, in the world
         Pose pose, previous;
@@ -359,15 +362,20 @@ class Destruction {
     Result<PieceId> add_piece(World& world, Live piece, PayloadPtr payload, const Motion& motion,
                               const glm::dvec3& from, bool debris, const std::shared_ptr<const BodyForm>& form = {});
     static BodyDesc body_of(const SolidPiece& solid);
+    // `bonds`: the placement of a bonded piece in its structure.
     static Broken broken_into(Result<std::vector<SolidPtr>> pieces, const SolidPiece& cut_from,
-                              const PayloadMaker& payload);
-    static Broken broken_by(const PlannedCut& cut, const std::function<bool()>& cancelled);
+                              const BreakableDesc& desc, const std::optional<PartPlacement>& bonds);
+    static Structure::Part part_of(const Made& made, const Material& material, const PartPlacement& placement);
+    static Broken broken_by(const PlannedCut& cut, const std::optional<PartPlacement>& bonds,
+                            const std::function<bool()>& cancelled);
+    [[nodiscard]] std::optional<PartPlacement> placement_if_bonded(const Live& piece) const;
     PieceId register_piece(Live piece, PayloadPtr payload);
     void forget_piece(PieceId id);
     void free_elsewhere(SolidPtr solid, PayloadPtr payload = {});
     void remove_lost(const World& world);
     void collect_blows(World& world);
     void update_structures(World& world);
+    void suspend_if_cut(World& world, const Live& piece, const glm::vec3& friction, Hit& hit) const;
     [[nodiscard]] bool cuts(const World& world, const Live& piece, const Hit& hit) const;
     void hit_piece(const World& world, PieceId id, const Hit& hit);
     [[nodiscard]] std::optional<Blow> blow_at(const World& world, const Live& piece, const glm::vec3& point,
@@ -386,9 +394,11 @@ class Destruction {
     void start_parting(const World& world, PieceId id, const Hit& hit, const Parting& parts,
                        const std::optional<PlannedCut>& chip = {});
     void commit_due(World& world, double budget);
-    bool commit(World& world, uint32_t job);
+    void commit(World& world, uint32_t job);
     [[nodiscard]] bool has_bonds(const Live& piece) const;
     std::vector<PieceId> replace(World& world, PieceId old, Broken& broken);
+    std::vector<PieceId> divide(World& world, PieceId old, Broken& broken);
+    [[nodiscard]] static Live child_of(const Live& parent, PieceId id, size_t index, SolidPtr solid, uint64_t now);
     [[nodiscard]] PieceId nearest_of(std::span<const PieceId> made, const glm::dvec3& point) const;
     [[nodiscard]] double crack_energy(const Live& piece, const Broken& broken) const;
     void mark_visible(const World& world, std::span<Debris> candidates, size_t pieces, size_t vertices) const;

@@ -38,7 +38,8 @@ void Destruction::commit_due(World& world, double budget) {
     };
     const uint64_t now = world.steps_taken();
     const auto note = [&](uint32_t job) {
-        if (commit(world, job)) commits_.push_back({now, job});
+        commit(world, job);
+        commits_.push_back({now, job});
     };
     if (settings_.timing == Timing::scripted) {
         while (script_at_ < script_.size() && script_[script_at_].step <= now) {
@@ -68,16 +69,14 @@ void Destruction::commit_due(World& world, double budget) {
     statistics_.longest_commit = std::max(statistics_.longest_commit, longest);
 }
 
-// True for a piece whose structure still bonds it to others; the structure releases it in its next update.
+// True for a piece whose structure bonds it to others.
 bool Destruction::has_bonds(const Live& piece) const {
     return piece.bonded != none && structure_of(piece).pieces_of_body(piece.bonded).size() > 1;
 }
 
-// False if the commit must wait for the structure to release the piece.
-bool Destruction::commit(World& world, uint32_t number) {
+void Destruction::commit(World& world, uint32_t number) {
     Job job = jobs_.at(number);
     Live& piece = pieces_.at(job.piece);
-    if (has_bonds(piece)) return false;
     Broken broken = background_.take(number);
     jobs_.erase(number);
     piece.job = none;
@@ -107,18 +106,48 @@ bool Destruction::commit(World& world, uint32_t number) {
         const BodyId whole = body_of(piece);
         restore(world, whole, crack_energy(piece, broken) / job.hit.blow.energy, job.hit.contact);
         if (waiting) restore(world, whole, 0.0, waiting->contact);
-        const std::vector<PieceId> made = replace(world, job.piece, broken);
+        const std::vector<PieceId> made =
+            has_bonds(piece) ? divide(world, job.piece, broken) : replace(world, job.piece, broken);
         const auto solve_for_part = [&](Hit& hit) {
             const PieceId part = nearest_of(made, hit.blow.point);
-            if (part != PieceId{}) solve_again(world, pieces_.at(part).own, hit.contact);
+            if (part != PieceId{}) solve_again(world, body_of(pieces_.at(part)), hit.contact);
             return part;
         };
         solve_for_part(job.hit);
-        if (!waiting) return true;
+        if (!waiting) return;
         const PieceId next = solve_for_part(*waiting);
         if (next != PieceId{}) start_job(world, next, *waiting);
     }
-    return true;
+}
+
+Destruction::Live Destruction::child_of(const Live& parent, PieceId id, size_t index, SolidPtr solid, uint64_t now) {
+    return {.object = parent.object,
+            .solid = std::move(solid),
+            .depth = parent.depth + 1,
+            .parent = id,
+            .seed = seed_of(parent.seed, index),
+            .born = now};
+}
+
+// Replaces a piece that is bonded to others by the pieces it broke into, in its structure. None where that fails.
+std::vector<PieceId> Destruction::divide(World& world, PieceId old, Broken& broken) {
+    const Live parent = pieces_.at(old);
+    SharedStructure& shared = *objects_.at(parent.object).bonds;
+    const auto first = static_cast<uint32_t>(shared.structure->piece_count());
+    std::vector<PieceId> made;
+    if (!shared.structure->divide(world, parent.bonded, broken.parts)) {
+        statistics_.last_failure = "a part of a bonded piece is too small for a body";
+        pieces_.at(old).unbreakable = true;
+        return made;
+    }
+    forget_piece(old);
+    for (size_t i = 0; i < broken.pieces.size(); ++i) {
+        Live child = child_of(parent, old, i, std::move(broken.pieces[i].solid), world.steps_taken());
+        child.bonded = first + static_cast<uint32_t>(i);
+        made.push_back(register_piece(std::move(child), std::move(broken.pieces[i].payload)));
+    }
+    shared.pieces.insert(shared.pieces.end(), made.begin(), made.end());
+    return made;
 }
 
 // Replaces a piece by the pieces it broke into, which inherit its motion.
@@ -140,13 +169,7 @@ std::vector<PieceId> Destruction::replace(World& world, PieceId old, Broken& bro
     for (size_t i = 0; i < broken.pieces.size(); ++i) {
         Made& piece = broken.pieces[i];
         const Result<PieceId> added =
-            add_piece(world,
-                      {.object = parent.object,
-                       .solid = std::move(piece.solid),
-                       .depth = parent.depth + 1,
-                       .parent = old,
-                       .seed = seed_of(parent.seed, i),
-                       .born = world.steps_taken()},
+            add_piece(world, child_of(parent, old, i, std::move(piece.solid), world.steps_taken()),
                       std::move(piece.payload), motion, parent.solid->mass.centre_of_mass, debris[i], piece.form);
         if (added)
             made.push_back(*added);

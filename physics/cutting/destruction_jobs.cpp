@@ -76,20 +76,59 @@ void Destruction::collect_blows(World& world) {
         // A contact with the ground or a fixed body is not solved again.
         if (world.contains(blow.other) && !world.fixed(blow.other))
             hit.contact.normal_impulse = blow.impulse * blow.normal;
-        if (hit.blow.force > piece.solid->bearable && cuts(world, piece, hit)) {
-            const float before = glm::length(hit.contact.normal_impulse);
-            suspend(world, blow.body, hit.contact);
-            // Without its bounce the contact dissipates the energy of the impulse that remains.
-            if (before > 0.0f) {
-                const double kept = static_cast<double>(glm::length(hit.contact.normal_impulse) / before);
-                hit.blow.energy *= kept;
-                hit.contact.lost *= kept;
-            }
-        }
-        if (!hit.contact.empty()) add_friction(world, blow.body, blow.friction, hit.contact);
+        suspend_if_cut(world, piece, blow.friction, hit);
         hit_piece(world, id, hit);
     }
 }
+
+// Takes back the bounce of the contact of a blow that is going to cut the piece, and completes what is known of it.
+void Destruction::suspend_if_cut(World& world, const Live& piece, const glm::vec3& friction, Hit& hit) const {
+    const BodyId body = body_of(piece);
+    if (hit.blow.force > piece.solid->bearable && cuts(world, piece, hit)) {
+        const float before = glm::length(hit.contact.normal_impulse);
+        suspend(world, body, hit.contact);
+        // Without its bounce the contact dissipates the energy of the impulse that remains.
+        if (before > 0.0f) {
+            const double kept = static_cast<double>(glm::length(hit.contact.normal_impulse) / before);
+            hit.blow.energy *= kept;
+            hit.contact.lost *= kept;
+        }
+    }
+    if (!hit.contact.empty()) add_friction(world, body, friction, hit.contact);
+}
+
+namespace {
+
+// The impulses of the last step between a bonded piece and what hit it.
+struct StepContact {
+    SuspendedContact contact{};
+    glm::vec3 friction{0.0f}; // N s, on the piece
+};
+
+// Without impulses where the structure has solved the contact again, for what broke off, and where the striker does not
+// move.
+StepContact contact_of(const World& world, const Structure& structure, const Impact& impact) {
+    const StepContact none{.contact = {.striker = impact.other}};
+    if (!world.contains(impact.other) || world.fixed(impact.other)) return none;
+    StepContact found = none;
+    found.contact.lost = static_cast<double>(impact.energy);
+    float total = 0.0f;
+    for (const Contact& contact : world.solved_contacts()) {
+        const bool first = contact.b == impact.other && structure.piece_at(contact.a, contact.part_a) == impact.piece;
+        if (!first && !(contact.a == impact.other && structure.piece_at(contact.b, contact.part_b) == impact.piece))
+            continue;
+        if (contact.impulse != contact.blow) return none;
+        if (!(contact.impulse > 0.0f)) continue;
+        total += contact.impulse;
+        found.contact.normal_impulse += contact.impulse * (first ? contact.normal : -contact.normal);
+        found.friction += first ? contact.friction : -contact.friction;
+        const glm::vec3 arm = contact.point - world.previous_pose(impact.other).position;
+        found.contact.arm += (arm - found.contact.arm) * (contact.impulse / total);
+    }
+    return found;
+}
+
+} // namespace
 
 void Destruction::update_structures(World& world) {
     for (const auto& [id, shared] : structures_) {
@@ -98,13 +137,16 @@ void Destruction::update_structures(World& world) {
             const auto at = pieces_.find(piece);
             if (at == pieces_.end() || !world.contains(body_of(at->second))) continue;
             const Pose pose = *pose_of(world, at->second);
-            const Hit hit{
-                .blow = {to_body_axes(pose, impact.point - pose.position) + at->second.solid->mass.centre_of_mass,
-                         to_body_axes(pose, impact.normal), impact.energy,
-                         static_cast<double>(impact.impulse * impact.sharpness / impact_seconds)},
-                .contact = {.striker = impact.other}};
+            Hit hit{.blow = {to_body_axes(pose, impact.point - pose.position) + at->second.solid->mass.centre_of_mass,
+                             to_body_axes(pose, impact.normal), impact.energy,
+                             static_cast<double>(impact.impulse * impact.sharpness / impact_seconds)},
+                    .contact = {.striker = impact.other}};
+            if (has_bonds(at->second)) {
+                const StepContact found = contact_of(world, *shared->structure, impact);
+                hit.contact = found.contact;
+                suspend_if_cut(world, at->second, found.friction, hit);
+            }
             hit_piece(world, piece, hit);
-            if (pieces_.at(piece).job != none) shared->structure->isolate(impact.piece);
         }
     }
 }
@@ -118,7 +160,6 @@ bool Destruction::strike(const World& world, PieceId id, const glm::vec3& point,
     Hit hit;
     hit.blow = *blow;
     hit_piece(world, id, hit);
-    if (at->second.bonded != none && at->second.job != none) structure_of(at->second).isolate(at->second.bonded);
     return at->second.job != none;
 }
 
@@ -261,13 +302,18 @@ void Destruction::start_job(const World& world, PieceId id, const Hit& hit) {
     piece.job = next_job_++;
     jobs_[piece.job] = {id, world.steps_taken() + std::max(settings_.latency, 1u), hit};
     ++statistics_.blows;
-    background_.start(piece.job, [cut = *cut](const std::atomic<bool>& cancelled) {
-        return broken_by(cut, [&] { return cancelled.load(); });
+    background_.start(piece.job, [cut = *cut, bonds = placement_if_bonded(piece)](const std::atomic<bool>& cancelled) {
+        return broken_by(cut, bonds, [&] { return cancelled.load(); });
     });
 }
 
-Destruction::Broken Destruction::broken_by(const PlannedCut& cut, const std::function<bool()>& cancelled) {
-    Broken broken = broken_into(carry_out(cut, cancelled), *cut.solid, cut.desc->payload);
+std::optional<PartPlacement> Destruction::placement_if_bonded(const Live& piece) const {
+    return has_bonds(piece) ? std::optional(objects_.at(piece.object).placement) : std::nullopt;
+}
+
+Destruction::Broken Destruction::broken_by(const PlannedCut& cut, const std::optional<PartPlacement>& bonds,
+                                           const std::function<bool()>& cancelled) {
+    Broken broken = broken_into(carry_out(cut, cancelled), *cut.solid, *cut.desc, bonds);
     broken.chip = cut.damage.local;
     return broken;
 }
@@ -348,12 +394,13 @@ void Destruction::start_parting(const World& world, PieceId id, const Hit& hit, 
     piece.job = next_job_++;
     jobs_[piece.job] = {id, world.steps_taken() + std::max(settings_.latency, 1u), hit, true};
     background_.start(piece.job, [=, solid = piece.solid, gravity = gravity_of(world, piece),
-                                  desc = objects_.at(piece.object).desc](const std::atomic<bool>& cancelled) {
+                                  desc = objects_.at(piece.object).desc,
+                                  bonds = placement_if_bonded(piece)](const std::atomic<bool>& cancelled) {
         const std::vector<uint32_t> islands = parts(*solid, desc->solid, gravity);
         if (std::ranges::count(islands, 0u) == static_cast<ptrdiff_t>(islands.size()))
-            return chip ? broken_by(*chip, [&] { return cancelled.load(); }) : Broken{};
-        return broken_into(break_apart(*solid, islands, desc->solid, [&] { return cancelled.load(); }), *solid,
-                           desc->payload);
+            return chip ? broken_by(*chip, bonds, [&] { return cancelled.load(); }) : Broken{};
+        return broken_into(break_apart(*solid, islands, desc->solid, [&] { return cancelled.load(); }), *solid, *desc,
+                           bonds);
     });
 }
 

@@ -59,9 +59,15 @@ void BreakParticles::start(const Simulation& simulation, std::vector<ParticleLoo
         for (const physics::BondGraph::Bond& bond : structure->graph().bonds()) bonds.live.push_back(bond.live());
         bonds.object_of.resize(structure->piece_count());
     }
-    for (uint32_t piece = 0; piece < simulation.piece_count(); ++piece)
-        if (const auto [structure, index] = simulation.bonds_of(piece); structure)
-            bonds_[structure].object_of[index] = simulation.member_of(piece);
+    for (uint32_t piece = 0; piece < simulation.piece_count(); ++piece) note_object(simulation, piece);
+}
+
+void BreakParticles::note_object(const Simulation& simulation, uint32_t piece) {
+    const auto [structure, index] = simulation.bonds_of(piece);
+    if (!structure) return;
+    std::vector<uint32_t>& object_of = bonds_[structure].object_of;
+    object_of.resize(structure->piece_count());
+    object_of[index] = simulation.member_of(piece);
 }
 
 ParticleLook BreakParticles::look_of(uint32_t object) const {
@@ -96,6 +102,8 @@ void BreakParticles::find_obstacles(const physics::World& world, std::span<const
 void BreakParticles::watch(const Simulation& simulation, const Structure& structure, Bonds& bonds) {
     const auto now = structure.graph().bonds();
     bonds.live.resize(now.size(), true);
+    if (bonds.object_of.size() < structure.piece_count()) // parts of pieces that were cut
+        for (const physics::PieceId piece : simulation.destruction()->pieces()) note_object(simulation, piece.value);
     bonds.object_of.resize(structure.piece_count());
     for (uint32_t k = 0; k < now.size(); ++k) {
         const physics::BondGraph::Bond& bond = now[k];

@@ -49,6 +49,7 @@ class BreakParticles {
         std::vector<bool> live;          // by bond
         std::vector<uint32_t> object_of; // by piece: the object of the simulation
     };
+    void note_object(const Simulation& simulation, uint32_t piece);
     void watch(const Simulation& simulation, const physics::Structure& structure, Bonds& bonds);
     [[nodiscard]] ParticleLook look_of(uint32_t object) const;
     void find_obstacles(const physics::World& world, std::span<const Way> ways, std::span<std::optional<Obstacle>> met);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <numeric>
 #include <utility>
 
 #include <glm/geometric.hpp>
@@ -437,18 +438,37 @@ void Session::tell_borne_shot() {
     activity_.say({"Nothing broke: " + (name.empty() ? "it" : name) + " was " + text + "."});
 }
 
+namespace {
+
+// By piece of a structure: its slot, or UINT32_MAX for one that is gone.
+std::vector<uint32_t> slots_of(const Simulation& simulation, const physics::Structure& structure) {
+    std::vector<uint32_t> slots(structure.piece_count(), UINT32_MAX);
+    const physics::Destruction* destruction = simulation.destruction();
+    if (!destruction) {
+        std::iota(slots.begin(), slots.end(), 0u);
+        return slots;
+    }
+    for (const physics::PieceId piece : destruction->pieces())
+        if (const auto [own, index] = simulation.bonds_of(piece.value); own == &structure)
+            slots[index] = destruction->slot(piece);
+    return slots;
+}
+
+} // namespace
+
 void Session::add_bond_lines(std::vector<engine::LineVertex>& lines) const {
     const physics::Structure* structure = stage_->simulation().structure();
     if (!structure) return;
+    const std::vector<uint32_t> slots = slots_of(stage_->simulation(), *structure);
     const auto bonds_of = structure->graph().bonds();
     const auto ratios = structure->wear().ratios();
     for (size_t k = 0; k < bonds_of.size(); ++k) {
         const auto& bond = bonds_of[k];
-        if (!bond.live() || bond.a >= poses_.size() || bond.b >= poses_.size()) continue;
+        if (!bond.live() || std::max(slots[bond.a], slots[bond.b]) >= poses_.size()) continue;
         const double load = std::clamp(k < ratios.size() ? ratios[k] / bond.health : 0.0, 0.0, 1.0);
         const uint32_t colour = bond_colour(load);
-        lines.push_back({poses_[bond.a].position, colour});
-        lines.push_back({poses_[bond.b].position, colour});
+        lines.push_back({poses_[slots[bond.a]].position, colour});
+        lines.push_back({poses_[slots[bond.b]].position, colour});
     }
 }
 
