@@ -49,6 +49,39 @@ def test_soup_of_triangles_is_welded():
     assert len(welded.vertices) == 4 and welded.inspect().is_watertight
 
 
+def test_attributes_of_arrays():
+    vertices, faces = TETRAHEDRON
+    normals = vertices / np.maximum(np.linalg.norm(vertices, axis=1), 1)[:, None] + np.array([0, 0, 1.0])
+    normals /= np.linalg.norm(normals, axis=1)[:, None]
+    uv = np.linspace(0, 1, 8).reshape(4, 2)
+    mesh = brittle.Mesh(vertices, faces, normals=normals, uv=uv, materials=[0, 3, 3, 7])
+    assert mesh.normals.shape == (4, 3, 3) and mesh.normals == pytest.approx(normals[faces], abs=1e-6)
+    assert mesh.uv == pytest.approx(uv[faces], abs=1e-6)
+    assert mesh.materials.tolist() == [0, 3, 3, 7]
+    assert mesh.uv2.shape == (0, 3, 2) and mesh.colours.shape == (0, 3, 4)
+    assert not any(array.flags.writeable for array in (mesh.normals, mesh.uv, mesh.materials))
+    uv_of_mesh = mesh.uv
+    del mesh  # the view keeps it
+    assert uv_of_mesh == pytest.approx(uv[faces], abs=1e-6)
+    plain = brittle.Mesh(vertices, faces)
+    assert [len(a) for a in (plain.normals, plain.uv, plain.uv2, plain.colours, plain.materials)] == [0] * 5
+
+
+def test_attributes_of_a_file():
+    lines = ["ply", "format ascii 1.0", "element vertex 4", *(f"property float {axis}" for axis in "xyz"),
+             *(f"property uchar {colour}" for colour in ("red", "green", "blue")), "element face 4",
+             "property list uchar int vertex_indices", "end_header"]
+    colours = np.array([[255, 0, 0], [0, 255, 0], [0, 0, 255], [255, 255, 255]])
+    lines += [" ".join(map(str, [*corner, *colour])) for corner, colour in zip(TETRAHEDRON[0], colours)]
+    lines += ["3 " + " ".join(map(str, face)) for face in TETRAHEDRON[1]]
+    mesh = brittle.load_bytes("\n".join(lines).encode() + b"\n", ".ply")
+    assert mesh.colours.shape == (4, 3, 4)
+    by_corner = {tuple(mesh.vertices[vertex]): mesh.colours[face, corner, :3].tolist()
+                 for face in range(4) for corner, vertex in enumerate(mesh.faces[face])}
+    for position, colour in zip(TETRAHEDRON[0], colours / 255):
+        assert by_corner[tuple(position)] == pytest.approx(colour.tolist())
+
+
 def test_anything_with_vertices_and_faces_is_a_mesh():
     like_trimesh = types.SimpleNamespace(vertices=TETRAHEDRON[0], faces=TETRAHEDRON[1])
     assert brittle.fracture(like_trimesh, 4).volumes.sum() == pytest.approx(1 / 6)

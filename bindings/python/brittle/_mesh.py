@@ -76,6 +76,36 @@ class Mesh:
         return lib.view(self._handle, "mesh_array", 2)
 
     @property
+    def normals(self) -> np.ndarray:
+        """(m, 3, 3) float32: of the corners of the faces, zero where a corner has none. Without rows where there are none."""
+        return self._of_corners(3)
+
+    @property
+    def uv(self) -> np.ndarray:
+        """(m, 3, 2) float32: of the corners of the faces, v points down. Without rows where there are none."""
+        return self._of_corners(4)
+
+    @property
+    def uv2(self) -> np.ndarray:
+        """(m, 3, 2) float32: the second set of texture coordinates. Without rows where there is none."""
+        return self._of_corners(5)
+
+    @property
+    def colours(self) -> np.ndarray:
+        """(m, 3, 4) float32: of the corners of the faces, linear, with opacity. Without rows where there are none."""
+        return self._of_corners(6)
+
+    @property
+    def materials(self) -> np.ndarray:
+        """(m,) uint32: the number in the file or the arrays of each face's material, 2**32 - 1 for a face without one.
+        Without rows where no face has one."""
+        return lib.view(self._handle, "mesh_array", 7)
+
+    def _of_corners(self, which: int) -> np.ndarray:
+        rows = lib.view(self._handle, "mesh_array", which)
+        return rows.reshape(len(rows) // 3, 3, rows.shape[1])
+
+    @property
     def bounds(self) -> np.ndarray:
         """(2, 3) float64: the corners of the box around all vertices."""
         return np.array([self.vertices.min(axis=0), self.vertices.max(axis=0)])
