@@ -7,6 +7,7 @@
 
 #include "physics/world/world.h"
 #include "tests/physics/bodies.h"
+#include "tests/physics/joints.h"
 
 using namespace brittle;
 using namespace brittle::physics;
@@ -114,6 +115,26 @@ TEST_CASE("resting: a body moves when it is pushed") {
     }
     CHECK(three.world.pose(three.lower).position.x < before - 0.05f);
     CHECK(three.world.pose(three.restless).position.x - three.world.pose(three.lower).position.x > 0.19f);
+}
+
+TEST_CASE("resting: a body follows what a joint ties it to, however long both lay still") {
+    Neighbours three;
+    const BodyId tractor = must_add(three.world, box(glm::vec3(0.1f), 1000.0f, {-1.0f, 0.1f, 0.0f}));
+    must_join(three.world, {.kind = JointKind::distance,
+                            .a = three.lower,
+                            .b = tractor,
+                            .anchor_a = {0.0f, 0.1f, 0.0f},
+                            .anchor_b = {-1.0f, 0.1f, 0.0f},
+                            .min_length = 1.0f,
+                            .max_length = 1.0f});
+    three.settle();
+    const float before = three.world.pose(three.lower).position.x;
+    for (int i = 0; i < 120; ++i) {
+        three.world.set_velocity(tractor, {-0.05f, 0.0f, 0.0f}, {});
+        three.step();
+    }
+    CHECK(three.world.pose(three.lower).position.x == doctest::Approx(before - 0.05f).epsilon(0.1));
+    CHECK(three.world.pose(three.upper).position.x == doctest::Approx(before - 0.05f).epsilon(0.1));
 }
 
 TEST_CASE("resting: a blow moves a resting body as it moves one that does not rest") {
