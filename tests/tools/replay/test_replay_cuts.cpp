@@ -137,7 +137,7 @@ TEST_CASE("replay: the recipe decides size and orientation of bricks, and is in 
     const fracture::Fragments whole = started(options);
     const auto states_of = [&](const physics::RunningBond& bond) {
         options.world.bond = bond;
-        const ReplayLog log = recorded(options, whole, 40, {}, folder.path / "run.log");
+        const ReplayLog log = recorded(options, whole, 16, {}, folder.path / "run.log");
         CHECK(log.commits.size() >= 1);
         CHECK_FALSE(replayed(log, started(log.recipe)));
         return log.states.back().hash;
