@@ -14,10 +14,9 @@ export const SIDES = 8, CAPS = 2; // m^2, of a column
 
 /**
  * A GLB file of a column of 1 x 2 x 1 m: its caps are green, material 0; its sides, material 1, have an image from their upper
- * to their lower end. The vertices of its faces are apart, as exporters write them. Where the image is damaged the sides have
- * `factor`.
+ * to their lower end. The vertices of its faces are apart, as exporters write them. `sides` replaces the material of the sides.
  */
-export function column(image, factor = [1, 1, 1, 1]) {
+export function column(image, sides = { pbrMetallicRoughness: { metallicFactor: 0, baseColorTexture: { index: 0 } } }) {
     const corners = [[[0, 0, 1], [1, 0, 1], [1, 2, 1], [0, 2, 1]], [[1, 0, 1], [1, 0, 0], [1, 2, 0], [1, 2, 1]],
                      [[1, 0, 0], [0, 0, 0], [0, 2, 0], [1, 2, 0]], [[0, 0, 0], [0, 0, 1], [0, 2, 1], [0, 2, 0]],
                      [[0, 2, 1], [1, 2, 1], [1, 2, 0], [0, 2, 0]], [[0, 0, 0], [1, 0, 0], [1, 0, 1], [0, 0, 1]]];
@@ -32,8 +31,8 @@ export function column(image, factor = [1, 1, 1, 1]) {
     const json = Buffer.from(JSON.stringify({
         asset: { version: "2.0" }, scenes: [{ nodes: [0] }], nodes: [{ mesh: 0 }],
         meshes: [{ primitives: [primitive(3, 1), primitive(4, 0)] }],
-        materials: [{ name: "caps", pbrMetallicRoughness: { baseColorFactor: [0, 1, 0, 1] } },
-                    { name: "sides", pbrMetallicRoughness: { baseColorFactor: factor, baseColorTexture: { index: 0 } } }],
+        materials: [{ name: "caps", pbrMetallicRoughness: { baseColorFactor: [0, 1, 0, 1], metallicFactor: 0 } },
+                    { name: "sides", ...sides }],
         textures: [{ source: 0, sampler: 0 }], samplers: [{ magFilter: 9728 }], images: [{ name: "flag", bufferView: 4, mimeType: "image/png" }],
         accessors: [view(0, "VEC3", 5126, 24), view(1, "VEC3", 5126, 24), view(2, "VEC2", 5126, 24), view(3, "SCALAR", 5123, 24),
                     view(3, "SCALAR", 5123, 12, 48)],

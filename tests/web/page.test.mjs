@@ -279,6 +279,15 @@ test("the export holds the pieces where they lie", async () => {
 
 /** Red above blue. */
 const flag = () => execFileSync("convert", ["-size", "2x1", "xc:red", "xc:blue", "-append", "png24:-"]);
+/** An image of one colour. */
+const one = (colour) => execFileSync("convert", ["-size", "2x2", `xc:${colour}`, "png24:-"]);
+
+/** The mean colour of a part of the picture, 0 to 255. */
+async function mean(page, clip) {
+    const rgb = execFileSync("convert", ["png:-", "-depth", "8", "rgb:-"], { input: await page.screenshot({ clip }), maxBuffer: 1 << 24 });
+    return [0, 1, 2].map((k) => rgb.reduce((sum, value, at) => at % 3 === k ? sum + value : sum, 0) * 3 / rgb.length);
+}
+
 /** How many pixels of the picture of the model fulfil a condition, and their mean height from the top. */
 async function pixels(page, condition) {
     const [width, height] = [640, 640], clip = { x: 0, y: 0, width, height };
@@ -347,13 +356,47 @@ test("a model keeps its colours and textures on the outside of pieces and of the
 
 test("a model without a readable texture shows its base colour, and says so", async () => {
     const page = await visit("#model=vase");
-    await choose(page, "column.glb", column(Buffer.from("no image"), [1, 1, 0, 1]));
+    await choose(page, "column.glb", column(Buffer.from("no image"), { pbrMetallicRoughness: {
+        baseColorFactor: [1, 1, 0, 1], metallicFactor: 0, baseColorTexture: { index: 0 } } }));
     await page.waitForSelector("#notice:not([hidden])", WAIT);
     assert.match(await text(page, "notice"), /column\.glb: Texture flag cannot be shown/);
     await ready(page);
     await page.locator("#close").click();
     await page.waitForTimeout(300);
     assert.ok((await pixels(page, YELLOW)).count > 10_000);
+    await page.mouse.click(middle.x, middle.y);
+    assert.equal((await broken(page)).closed, "all");
+    await page.leave();
+});
+
+test("metal mirrors, glowing materials glow, glass lets the background through, and normal maps turn the light", async () => {
+    const page = await visit("#model=vase&sites=20"), surface = { baseColorFactor: [0.5, 0.5, 0.5, 1], metallicFactor: 0, roughnessFactor: 0.9 };
+    const show = async (name, sides, image = flag()) => {
+        await choose(page, `${name}.glb`, column(image, sides));
+        await page.waitForFunction((model) => location.hash.includes(`model=${model}`), `${name}.glb`, WAIT);
+        await ready(page);
+        await page.waitForTimeout(300);
+        assert.equal(await page.locator("#notice").isVisible(), false);
+        await page.screenshot({ path: path.join(PICTURES, `${name}.png`) });
+        return mean(page, { x: 280, y: 280, width: 80, height: 80 });
+    };
+    const plain = await show("plain", { pbrMetallicRoughness: surface });
+    const metal = await show("metal", { pbrMetallicRoughness: { ...surface, baseColorFactor: [1, 0.75, 0.3, 1], metallicFactor: 1, roughnessFactor: 0.2 } });
+    assert.ok(metal[0] > 60 && metal[0] > 1.5 * metal[2], `metal ${metal}`); // gold, and not black
+    const glowing = await show("glowing", { pbrMetallicRoughness: { ...surface, baseColorFactor: [0, 0, 0, 1] }, emissiveFactor: [1, 0, 0],
+                            extensions: { KHR_materials_emissive_strength: { emissiveStrength: 2 } } });
+    assert.ok(glowing[0] > 240 && glowing[1] < 40, `glowing ${glowing}`);
+    await show("emissive_map", { pbrMetallicRoughness: { ...surface, baseColorFactor: [0, 0, 0, 1] }, emissiveFactor: [1, 1, 1], emissiveTexture: { index: 0 } });
+    assert.ok((await pixels(page, RED)).count > 10_000 && (await pixels(page, BLUE)).count > 10_000);
+    const glass = await show("glass", { pbrMetallicRoughness: { ...surface, baseColorFactor: [0, 0, 0, 0.1] }, alphaMode: "BLEND" });
+    const opaque = await show("black", { pbrMetallicRoughness: { ...surface, baseColorFactor: [0, 0, 0, 1] } });
+    assert.ok(glass[1] > opaque[1] + 80, `glass ${glass}, black ${opaque}`);
+    // The sun stands on the left, above: normals that lean up or to the left meet it.
+    const leaning = (name, colour) => show(name, { pbrMetallicRoughness: surface, normalTexture: { index: 0 } }, one(colour));
+    const [up, down] = [await leaning("up", "#80d9d9"), await leaning("down", "#8027d9")];
+    const [left, right] = [await leaning("left", "#2780d9"), await leaning("right", "#d980d9")];
+    assert.ok(up[1] > plain[1] + 5 && plain[1] > down[1] + 5, `up ${up}, plain ${plain}, down ${down}`);
+    assert.ok(left[1] > plain[1] + 5 && plain[1] > right[1] + 5, `left ${left}, plain ${plain}, right ${right}`);
     await page.mouse.click(middle.x, middle.y);
     assert.equal((await broken(page)).closed, "all");
     await page.leave();

@@ -1,7 +1,7 @@
-// The materials of a glTF file for the picture: base colours and their textures. The rest of a material is left out.
+// The materials of a glTF file for the picture: metal and roughness, normal maps, glow, blending and cut-outs.
 import {
-    ClampToEdgeWrapping, LinearFilter, MeshStandardMaterial, MirroredRepeatWrapping, NearestFilter, RepeatWrapping,
-    SRGBColorSpace, Texture,
+    ClampToEdgeWrapping, DoubleSide, LinearFilter, MeshStandardMaterial, MirroredRepeatWrapping, NearestFilter, NoColorSpace,
+    RepeatWrapping, SRGBColorSpace, Texture,
 } from "three";
 
 /** Pixels of a side of a texture; larger images are reduced. */
@@ -29,24 +29,50 @@ function parse(bytes) {
              binary: binary + 8 < bytes.byteLength ? new Uint8Array(bytes, binary + 8, data.getUint32(binary, true)) : null };
 }
 
-async function look({ name = "", pbrMetallicRoughness = {}, alphaMode, alphaCutoff = 0.5 }, file, faults) {
-    const { baseColorFactor: [r, g, b, opacity] = [1, 1, 1, 1], baseColorTexture } = pbrMetallicRoughness;
-    const material = new MeshStandardMaterial({ name, opacity, alphaTest: alphaMode === "MASK" ? alphaCutoff : 0, roughness: 0.82 });
+async function look({ name = "", pbrMetallicRoughness: surface = {}, alphaMode = "OPAQUE", alphaCutoff = 0.5, doubleSided = false,
+                      normalTexture, occlusionTexture, emissiveTexture, emissiveFactor = [0, 0, 0], extensions = {} }, file, faults) {
+    const { baseColorFactor: [r, g, b, opacity] = [1, 1, 1, 1], metallicFactor: metalness = 1, roughnessFactor: roughness = 1 } = surface;
+    const material = new MeshStandardMaterial({
+        name, opacity, metalness, roughness, alphaTest: alphaMode === "MASK" ? alphaCutoff : 0,
+        transparent: alphaMode === "BLEND", depthWrite: alphaMode !== "BLEND",
+        emissiveIntensity: extensions.KHR_materials_emissive_strength?.emissiveStrength ?? 1,
+        aoMapIntensity: occlusionTexture?.strength ?? 1,
+    });
     material.color.setRGB(r, g, b);
-    if (!baseColorTexture) return material;
-    const { source, sampler, extensions = {} } = file.json.textures[baseColorTexture.index];
-    const number = source ?? Object.values(extensions).find((one) => one.source !== undefined)?.source; // WebP or AVIF
-    try {
-        file.images[number] ??= decode(file, file.json.images[number]);
-        material.map = mapped(await file.images[number], baseColorTexture, file.json.samplers?.[sampler]);
-    } catch (error) {
-        faults.push(`${file.json.images?.[number]?.name || `number ${number}`} cannot be shown: ${error.message}`);
-    }
+    material.emissive.setRGB(...emissiveFactor);
+    if (doubleSided && alphaMode !== "OPAQUE") material.side = DoubleSide;
+    // Without tangents the picture takes those of the texture coordinates, which run the other way along v.
+    material.normalScale.set(normalTexture?.scale ?? 1, -(normalTexture?.scale ?? 1));
+    const use = async (texture, colours, ...places) => {
+        if (!texture) return;
+        const map = await read(texture, colours, file, faults);
+        for (const place of places) material[place] = map;
+    };
+    await Promise.all([
+        use(surface.baseColorTexture, true, "map"), use(surface.metallicRoughnessTexture, false, "metalnessMap", "roughnessMap"),
+        use(normalTexture, false, "normalMap"), use(occlusionTexture, false, "aoMap"), use(emissiveTexture, true, "emissiveMap"),
+    ]);
     return material;
 }
 
+/** The textures of a material of three.js, each once. */
+export const texturesOf = (material) => [...new Set(Object.values(material).filter((value) => value?.isTexture))];
+
+/** A texture of the file as a material uses it; null, and a fault, where it cannot be shown. */
+async function read(texture, colours, file, faults) {
+    const { source, sampler, extensions = {} } = file.json.textures[texture.index];
+    const number = source ?? Object.values(extensions).find((one) => one.source !== undefined)?.source; // WebP or AVIF
+    try {
+        file.images[number] ??= decode(file, file.json.images[number]);
+        return mapped(await file.images[number], texture, file.json.samplers?.[sampler], colours);
+    } catch (error) {
+        faults.push(`${file.json.images?.[number]?.name || `number ${number}`} cannot be shown: ${error.message}`);
+        return null;
+    }
+}
+
 /** The use of a texture by a material. Clones have one image, which goes to the graphics card once. */
-function mapped(base, { texCoord = 0, extensions }, { wrapS, wrapT, magFilter } = {}) {
+function mapped(base, { texCoord = 0, extensions }, { wrapS, wrapT, magFilter } = {}, colours) {
     const map = base.clone(), transform = extensions?.KHR_texture_transform ?? {};
     map.channel = (transform.texCoord ?? texCoord) === 1 ? 1 : 0;
     map.wrapS = WRAPPING[wrapS] ?? RepeatWrapping;
@@ -55,7 +81,7 @@ function mapped(base, { texCoord = 0, extensions }, { wrapS, wrapT, magFilter } 
     map.offset.fromArray(transform.offset ?? [0, 0]);
     map.rotation = transform.rotation ?? 0;
     map.repeat.fromArray(transform.scale ?? [1, 1]);
-    map.colorSpace = SRGBColorSpace;
+    map.colorSpace = colours ? SRGBColorSpace : NoColorSpace;
     map.flipY = false;
     map.needsUpdate = true;
     return map;
@@ -91,4 +117,4 @@ async function fetched(uri) {
 }
 
 const sentence = ([first, ...others]) =>
-    `Texture ${first}${others.length > 0 ? ` (and ${others.length} more)` : ""}. The base colour of the material is shown.`;
+    `Texture ${first}${others.length > 0 ? ` (and ${others.length} more)` : ""}. The material is shown without it.`;

@@ -1,6 +1,7 @@
 // The outside of a model as its file gives it: normals, texture coordinates and colours of the corners, and materials.
 // Pieces, and pieces of pieces, take all of these from the triangles of the whole model in which they lie.
 import { MeshStandardMaterial } from "three";
+import { texturesOf } from "./looks.js";
 
 /** Materials of the mesh of a piece that is cut again: its outside, and its cuts. */
 export const OUTSIDE = 0, CUT = 1;
@@ -12,7 +13,7 @@ export class Outside {
 
     /** Of the arrays of a mesh of the worker. `looks`: materials of three.js by their numbers in the file. */
     constructor({ positions, triangles, normals, uv, uv2, colours, materials }, looks) {
-        const coloured = colours.length > 0, textured = looks.some(({ map }) => map);
+        const coloured = colours.length > 0, textured = looks.some((look) => texturesOf(look).length > 0);
         this.#positions = positions;
         this.#triangles = triangles;
         /** Materials of three.js. The colours of corners without a material show on white. */
@@ -31,7 +32,7 @@ export class Outside {
 
     /** Frees what the graphics card holds. */
     dispose() {
-        for (const { map } of this.looks) map?.dispose();
+        for (const look of this.looks) for (const texture of texturesOf(look)) texture.dispose();
     }
 
     /**

@@ -1,10 +1,10 @@
 // The picture: one draw for each material of the pieces of a fracture. Vertices stay where they were at rest; the shader
 // moves them by the pose of their piece, which lies in a texture.
 import {
-    AmbientLight, BufferAttribute, BufferGeometry, Color, DataTexture, DirectionalLight, FloatType, HemisphereLight,
-    LineBasicMaterial, LineLoop, Mesh, MeshDepthMaterial, MeshStandardMaterial, NearestFilter, PCFShadowMap,
-    PerspectiveCamera, PlaneGeometry, Quaternion, Raycaster, RGBADepthPacking, RGBAFormat, Scene, ShadowMaterial,
-    SRGBColorSpace, Vector2, Vector3, WebGLRenderer,
+    AmbientLight, BufferAttribute, BufferGeometry, Color, DataTexture, DataUtils, DirectionalLight,
+    EquirectangularReflectionMapping, FloatType, HalfFloatType, HemisphereLight, LineBasicMaterial, LineLoop, LinearFilter, Mesh,
+    MeshDepthMaterial, MeshStandardMaterial, NearestFilter, PCFShadowMap, PerspectiveCamera, PlaneGeometry, PMREMGenerator,
+    Quaternion, Raycaster, RGBADepthPacking, RGBAFormat, Scene, ShadowMaterial, SRGBColorSpace, Vector2, Vector3, WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { starts } from "./outside.js";
@@ -49,6 +49,7 @@ export class View {
     #frames = [];
     #ratio = Math.min(globalThis.devicePixelRatio ?? 1, 2);
     #fixed;
+    #surroundings; // what metal mirrors; made for the first one
     dirty = true;
 
     /** Throws where the browser has no WebGL. `fixed`: the resolution does not adapt to the speed. */
@@ -83,7 +84,11 @@ export class View {
         this.controls.minDistance = 0.6;
         this.controls.maxDistance = 14;
         this.controls.addEventListener("change", () => this.dirty = true);
-        canvas.addEventListener("webglcontextrestored", () => this.dirty = true);
+        canvas.addEventListener("webglcontextrestored", () => {
+            this.#surroundings = undefined;
+            for (const material of this.#sets.flatMap(({ mesh }) => mesh.material)) if (material.envMap) this.#mirror(material);
+            this.dirty = true;
+        });
         this.#material = this.#moved(new MeshStandardMaterial({ roughness: 0.82 }), true);
         this.#depth = this.#moved(new MeshDepthMaterial({ depthPacking: RGBADepthPacking }), false);
     }
@@ -141,7 +146,11 @@ export class View {
         poses.magFilter = poses.minFilter = NearestFilter;
         poses.needsUpdate = true;
         this.#uniforms.middle.value.set(...middle.map((m, k) => frame.offset[k] + frame.scale * m));
-        const looks = outside.looks.map((look) => this.#clone(look, true, { poses: { value: poses }, outside: { value: WHITE } }));
+        const looks = outside.looks.map((look) => {
+            const copy = this.#clone(look, true, { poses: { value: poses }, outside: { value: WHITE } });
+            if (look.metalness > 0) this.#mirror(copy);
+            return copy;
+        });
         const mesh = new Mesh(geometry(pieces, outside, frame), [...looks, this.#clone(this.#material, true, { poses: { value: poses } })]);
         mesh.customDepthMaterial = this.#clone(this.#depth, false, { poses: { value: poses } });
         mesh.frustumCulled = false;
@@ -151,6 +160,10 @@ export class View {
         this.#sets.push(set);
         this.dirty = true;
         return set;
+    }
+
+    #mirror(material) {
+        material.envMap = this.#surroundings ??= surroundings(this.#renderer);
     }
 
     #clone(material, coloured, uniforms) {
@@ -248,6 +261,26 @@ export class View {
 }
 
 const place = (number) => 4 * TEXELS * (Math.floor(number / ACROSS) * ACROSS + number % ACROSS);
+
+/** A bright sky with clouds along the horizon over a floor, for metal, which without it would be black. */
+function surroundings(renderer) {
+    const wide = 64, high = 32, values = new Uint16Array(4 * wide * high);
+    for (let row = 0; row < high; ++row)
+        for (let column = 0; column < wide; ++column) {
+            const up = 2 * (row + 0.5) / high - 1, around = 2 * Math.PI * column / wide; // the first row is the lowest
+            const cloud = Math.max(0, 1 - Math.abs(up - 0.15) * 5) * (0.75 + 0.25 * Math.cos(3 * around));
+            const colour = up < 0 ? [0.42, 0.4, 0.37].map((c) => c * (1 + 0.6 * up)) : [0.75, 0.85, 1].map((c) => c * (0.55 + 0.55 * up) + 1.6 * cloud);
+            colour.forEach((c, k) => values[4 * (row * wide + column) + k] = DataUtils.toHalfFloat(c));
+            values[4 * (row * wide + column) + 3] = DataUtils.toHalfFloat(1);
+        }
+    const sky = new DataTexture(values, wide, high, RGBAFormat, HalfFloatType, EquirectangularReflectionMapping);
+    sky.magFilter = sky.minFilter = LinearFilter;
+    sky.needsUpdate = true;
+    const generator = new PMREMGenerator(renderer), { texture } = generator.fromEquirectangular(sky);
+    generator.dispose();
+    sky.dispose();
+    return texture;
+}
 
 /** The surfaces of pieces in the world, at rest. Groups: the looks, then the chosen material, which the cuts have too. */
 function geometry(pieces, outside, frame) {
