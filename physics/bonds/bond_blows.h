@@ -28,8 +28,7 @@ namespace brittle::physics {
 
 // A blow against one piece. In Structure::Changes: one that is hard enough to break the piece itself, as impulse *
 // sharpness / impact_seconds > breaking_force(material, volume^(2/3)) and the bonds left some of its energy. To break
-// the piece, remove it (Structure::isolate(), then take_piece()), fracture it at the point and create a Structure of the
-// parts.
+// the piece, fracture it at the point and give the parts to Structure::divide().
 struct Impact {
     uint32_t piece = 0;
     BodyId other;           // the striker; BodyId{} for the ground

@@ -21,9 +21,9 @@ constexpr int grid = 10; // points along each side of the rectangle around a bon
 constexpr double tolerance_share = 0.03;
 
 // The hulls of a piece or part as half-spaces, their margins included.
-class Solid {
+class Hulls {
   public:
-    explicit Solid(const PlacedHulls& placed) : placed_(placed) {
+    explicit Hulls(const PlacedHulls& placed) : placed_(placed) {
         for (const BodyPart& part : placed.hulls) {
             const std::vector<glm::vec3>& points = part.hull->points;
             const HullFaces own = part.hull->faces.count() > 0 ? HullFaces{} : hull_faces(points);
@@ -33,12 +33,13 @@ class Solid {
             for (size_t face = 0; face < faces.count(); ++face)
                 planes.push_back(plane_of(points, faces.of(face), at, static_cast<double>(part.hull->margin)));
             for (const glm::vec3& point : points)
-                radius_ = std::max(radius_, glm::length(glm::dvec3(part.offset) + glm::dvec3(point)));
+                radius_ = std::max(radius_, glm::length(glm::dvec3(part.offset) + glm::dvec3(point))
+                                                + static_cast<double>(part.hull->margin));
         }
     }
 
-    // The distance to the farthest plane of the nearest hull; at most 0 inside it. Infinity where `limit` is certainly
-    // exceeded.
+    // The distance to the farthest plane of the nearest hull; at most 0 inside it. May be infinity where the hulls are
+    // farther away than `limit`.
     [[nodiscard]] double height(const glm::dvec3& point, double limit = infinity) const {
         if (glm::distance(point, placed_.centre) - radius_ > limit) return infinity;
         double nearest = infinity;
@@ -99,11 +100,11 @@ std::array<glm::dvec3, 2> axes_across(const glm::dvec3& normal) {
 }
 
 // Points all over the area of a bond.
-std::vector<glm::dvec3> points_on(const BondGraph::Bond& bond, const Solid& piece, const Solid& other) {
+std::vector<glm::dvec3> points_on(const BondGraph::Bond& bond, const Hulls& piece, const Hulls& other) {
     const std::array<glm::dvec3, 2> axes = axes_across(bond.normal);
     const double tolerance = tolerance_share * std::sqrt(bond.area), disc = std::sqrt(bond.area / std::numbers::pi);
     glm::dvec2 least(-infinity), most(infinity);
-    for (const Solid* side : {&piece, &other}) {
+    for (const Hulls* side : {&piece, &other}) {
         if (side->empty()) continue;
         glm::dvec2 from(infinity), to(-infinity);
         side->bounds(bond.centroid, axes, from, to);
@@ -122,7 +123,7 @@ std::vector<glm::dvec3> points_on(const BondGraph::Bond& bond, const Solid& piec
     return points;
 }
 
-size_t nearest_of(std::span<const Solid> parts, const glm::dvec3& point) {
+size_t nearest_of(std::span<const Hulls> parts, const glm::dvec3& point) {
     size_t nearest = 0;
     double least = infinity;
     for (size_t k = 0; k < parts.size(); ++k)
@@ -139,18 +140,18 @@ std::vector<BondShare> share_bonds(const BondGraph& graph, uint32_t piece,
                                    const std::function<PlacedHulls(uint32_t piece)>& hulls_of,
                                    std::span<const PlacedHulls> parts) {
     assert(!parts.empty());
-    const Solid whole(hulls_of(piece));
-    const std::vector<Solid> solids(parts.begin(), parts.end());
+    const Hulls whole(hulls_of(piece));
+    const std::vector<Hulls> made(parts.begin(), parts.end());
     std::vector<BondShare> shares;
     for (const uint32_t index : graph.bonds_of(piece)) {
         const BondGraph::Bond& bond = graph.bonds()[index];
         if (!bond.live()) continue;
-        const std::vector<glm::dvec3> points = points_on(bond, whole, Solid(hulls_of(bond.other(piece))));
+        const std::vector<glm::dvec3> points = points_on(bond, whole, Hulls(hulls_of(bond.other(piece))));
         std::vector<size_t> counts(parts.size(), 0);
         std::vector<glm::dvec3> sums(parts.size(), glm::dvec3(0.0));
         glm::dvec3 mean(0.0);
         for (const glm::dvec3& point : points) {
-            const size_t part = nearest_of(solids, point);
+            const size_t part = nearest_of(made, point);
             ++counts[part];
             sums[part] += point;
             mean += point / static_cast<double>(points.size());

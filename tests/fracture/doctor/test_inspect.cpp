@@ -420,6 +420,19 @@ TEST_CASE("inspect: the thickness of a solid is measured") {
     CHECK(thin.places.thin_triangles.size() == 1000);
     CHECK(describe(thin).find("thinner than") != std::string::npos);
     CHECK_FALSE(inspect({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}}).min_thickness);
+    // Of many triangles some are measured, all over the mesh: a thin plate behind a thick ball.
+    TriangleMesh both = icosphere(3, 1.0);
+    const auto first = static_cast<uint32_t>(both.positions.size()),
+               of_ball = static_cast<uint32_t>(both.triangles.size());
+    const TriangleMesh plate = cuboid({2.0, 0.01, 2.0});
+    for (const glm::dvec3& p : plate.positions) both.positions.push_back(p + glm::dvec3(5.0, 0.0, 0.0));
+    for (const Triangle& t : plate.triangles) both.triangles.push_back(t + Triangle(first));
+    const Inspection some = inspect(both, {.max_measured = 200});
+    REQUIRE(some.min_thickness);
+    CHECK(*some.min_thickness == doctest::Approx(0.01));
+    CHECK(some.thinnest_triangle >= of_ball);
+    CHECK(some.thin_share > 0.0);
+    CHECK(some.thin_share < 1.0);
 }
 
 TEST_CASE("inspect: published models") {

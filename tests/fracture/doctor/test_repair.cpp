@@ -131,6 +131,30 @@ TEST_CASE("triangles that face the wrong way are turned") {
     }
 }
 
+TEST_CASE("of four sheets that share an edge, the one that faces the wrong way is turned") {
+    TriangleMesh cross; // the axis, then two vertices of each sheet
+    for (const double z : {0.0, 1.0}) cross.positions.emplace_back(0.0, 0.0, z);
+    for (const glm::dvec2 way : {glm::dvec2(1, 0), glm::dvec2(0, 1), glm::dvec2(-1, 0), glm::dvec2(0, -1)}) {
+        const auto v = static_cast<uint32_t>(cross.positions.size());
+        for (const double z : {0.0, 1.0}) cross.positions.emplace_back(way.x, way.y, z);
+        // Neighbours around the axis bound one quarter of space, so every other sheet uses it upwards.
+        if ((v - 2) / 2 % 2 == 0)
+            cross.triangles.insert(cross.triangles.end(), {{0, v, v + 1}, {0, v + 1, 1}});
+        else
+            cross.triangles.insert(cross.triangles.end(), {{0, v + 1, v}, {0, 1, v + 1}});
+    }
+    const Repaired right = repair(cross, {.close_holes = 0.0});
+    CHECK(right.report.turned_triangles.count == 0);
+    for (size_t sheet = 0; sheet < 4; ++sheet) {
+        CAPTURE(sheet);
+        TriangleMesh mesh = cross;
+        for (const size_t t : {2 * sheet, 2 * sheet + 1}) turn(mesh.triangles[t]);
+        const Repaired repaired = repair(mesh, {.close_holes = 0.0});
+        CHECK(repaired.report.turned_triangles.count >= 2);
+        CHECK(repaired.mesh.triangles == right.mesh.triangles);
+    }
+}
+
 TEST_CASE("a mesh that is inside out as a whole is turned") {
     TriangleMesh mesh = torus(16, 8);
     const double volume = test::signed_volume(mesh);
