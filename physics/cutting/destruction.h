@@ -209,10 +209,9 @@ class Destruction {
     Result<ObjectId> add(World& world, const fracture::TriangleMesh& mesh, const BreakableDesc& desc);
     Result<ObjectId> add(World& world, SolidPtr whole, const BreakableDesc& desc, PayloadPtr payload = {});
     // Adds bonded pieces. Fails as Structure::create() does. `structure` describes the bonds between the pieces,
-    // `pieces` how each piece breaks. The parts of a broken piece are anchored by pieces.solid.anchors alone; while they
-    // are bonded, only those of an anchored piece are. `solids`
-    // and `payloads` are results of solids_of() and payloads_of() that were made ahead, one a piece; the solids' hulls
-    // are then the structure's.
+    // `pieces` how each piece breaks. The parts of a broken piece are anchored by pieces.solid.anchors alone, those of
+    // a bonded one only where the piece was anchored. `solids` and `payloads` are results of solids_of() and
+    // payloads_of() that were made ahead, one a piece; the solids' hulls are then the structure's.
     Result<ObjectId> add(World& world, const fracture::Fragments& fragments, const StructureDesc& structure,
                          const BreakableDesc& pieces, std::span<const SolidPtr> solids = {},
                          std::vector<PayloadPtr> payloads = {});
