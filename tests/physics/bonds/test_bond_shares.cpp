@@ -17,7 +17,7 @@ using namespace brittle::physics;
 
 namespace {
 
-// Boxes with the hulls that pieces have, and the bonds that they are told to have.
+// Boxes with the hulls of pieces, and given bonds.
 struct Boxes {
     fracture::Fragments fragments;
     std::vector<std::vector<BodyPart>> hulls;
