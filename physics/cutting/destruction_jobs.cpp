@@ -81,7 +81,8 @@ void Destruction::collect_blows(World& world) {
     }
 }
 
-// Takes back the bounce of the contact of a blow that is going to cut the piece, and adds friction and energy to the hit.
+// Takes back the bounce of the contact of a blow that is going to cut the piece. Adds the friction and the lost energy to
+// the contact.
 void Destruction::suspend_if_cut(World& world, const Live& piece, const glm::vec3& friction, Hit& hit) const {
     const BodyId body = body_of(piece);
     if (hit.blow.force > piece.solid->bearable && cuts(world, piece, hit)) {
