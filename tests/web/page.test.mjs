@@ -397,8 +397,18 @@ test("metal mirrors, glowing materials glow, glass lets the background through, 
     const [left, right] = [await leaning("left", "#2780d9"), await leaning("right", "#d980d9")];
     assert.ok(up[1] > plain[1] + 5 && plain[1] > down[1] + 5, `up ${up}, plain ${plain}, down ${down}`);
     assert.ok(left[1] > plain[1] + 5 && plain[1] > right[1] + 5, `left ${left}, plain ${plain}, right ${right}`);
+    const texture = { index: 0 };
+    await show("all", { pbrMetallicRoughness: { baseColorFactor: [1, 1, 1, 0.5], metallicFactor: 0.75, roughnessFactor: 0.25, metallicRoughnessTexture: texture },
+                        normalTexture: texture, occlusionTexture: texture, emissiveTexture: texture, emissiveFactor: [0.5, 0.5, 0.5], alphaMode: "BLEND" });
     await page.mouse.click(middle.x, middle.y);
     assert.equal((await broken(page)).closed, "all");
+    const [download] = await Promise.all([page.waitForEvent("download"), page.keyboard.press("e")]);
+    const bytes = fs.readFileSync(await download.path()), { materials } = JSON.parse(bytes.subarray(20, 20 + bytes.readUInt32LE(12)).toString());
+    const sides = materials.find(({ name }) => name === "sides"), { pbrMetallicRoughness } = sides;
+    assert.deepEqual([pbrMetallicRoughness.metallicFactor, pbrMetallicRoughness.roughnessFactor, sides.alphaMode, sides.emissiveFactor],
+                     [0.75, 0.25, "BLEND", [0.5, 0.5, 0.5]]);
+    for (const map of [pbrMetallicRoughness.metallicRoughnessTexture, sides.normalTexture, sides.occlusionTexture, sides.emissiveTexture])
+        assert.ok(map, JSON.stringify(sides));
     await page.leave();
 });
 
@@ -420,6 +430,10 @@ test("textures of a .gltf file and colours of vertices are shown", async () => {
     assert.match(await text(page, "notice"), /Texture number 0 cannot be shown: it lies in another file, flag\.png/);
     await page.locator("#close").click();
     assert.equal((await pixels(page, RED)).count, 0);
+    json.textures = [];
+    await show("without.gltf", JSON.stringify(json));
+    assert.match(await text(page, "notice"), /Texture number 0 cannot be shown: the file has no image for it/);
+    await page.locator("#close").click();
     await show("painted.off", tetrahedron(...Array(4).fill("255 0 0")));
     assert.ok((await pixels(page, RED)).count > 10_000);
     await page.leave();

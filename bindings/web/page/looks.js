@@ -1,4 +1,4 @@
-// The materials of a glTF file for the picture: metal and roughness, normal maps, glow, blending and cut-outs.
+// The materials of a glTF file for the picture: base colour, metal, roughness, normals, occlusion, glow, blending, cut-outs.
 import {
     ClampToEdgeWrapping, DoubleSide, LinearFilter, MeshStandardMaterial, MirroredRepeatWrapping, NearestFilter, NoColorSpace,
     RepeatWrapping, SRGBColorSpace, Texture,
@@ -60,13 +60,14 @@ export const texturesOf = (material) => [...new Set(Object.values(material).filt
 
 /** A texture of the file as a material uses it; null, and a fault, where it cannot be shown. */
 async function read(texture, colours, file, faults) {
-    const { source, sampler, extensions = {} } = file.json.textures[texture.index];
+    const { source, sampler, extensions = {} } = file.json.textures?.[texture.index] ?? {};
     const number = source ?? Object.values(extensions).find((one) => one.source !== undefined)?.source; // WebP or AVIF
     try {
+        if (!file.json.images?.[number]) throw new Error("the file has no image for it");
         file.images[number] ??= decode(file, file.json.images[number]);
         return mapped(await file.images[number], texture, file.json.samplers?.[sampler], colours);
     } catch (error) {
-        faults.push(`${file.json.images?.[number]?.name || `number ${number}`} cannot be shown: ${error.message}`);
+        faults.push(`${file.json.images?.[number]?.name || `number ${number ?? texture.index}`} cannot be shown: ${error.message}`);
         return null;
     }
 }
