@@ -1,7 +1,6 @@
 #include "physics/bonds/bond_shares.h"
 
 #include <algorithm>
-#include <array>
 #include <cassert>
 #include <cmath>
 #include <limits>
@@ -11,12 +10,15 @@
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 
+#include "fracture/sites/layout.h"
+#include "physics/world/hull.h"
+
 namespace brittle::physics {
 
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr int grid = 10; // points along each side of the rectangle around a bond's area
+constexpr int grid = 20; // points along each side of the rectangle around a bond's area
 // Distance of a hull from the plane of its bond, in square roots of the area: hulls leave out small corners.
 constexpr double tolerance_share = 0.03;
 
@@ -25,16 +27,10 @@ class Hulls {
   public:
     explicit Hulls(const PlacedHulls& placed) : placed_(placed) {
         for (const BodyPart& part : placed.hulls) {
-            const std::vector<glm::vec3>& points = part.hull->points;
-            const HullFaces own = part.hull->faces.count() > 0 ? HullFaces{} : hull_faces(points);
-            const HullFaces& faces = part.hull->faces.count() > 0 ? part.hull->faces : own;
-            const glm::dvec3 at = placed.centre + glm::dvec3(part.offset);
-            std::vector<Plane>& planes = hulls_.emplace_back();
-            for (size_t face = 0; face < faces.count(); ++face)
-                planes.push_back(plane_of(points, faces.of(face), at, static_cast<double>(part.hull->margin)));
-            for (const glm::vec3& point : points)
-                radius_ = std::max(radius_, glm::length(glm::dvec3(part.offset) + glm::dvec3(point))
-                                                + static_cast<double>(part.hull->margin));
+            const auto margin = static_cast<double>(part.hull->margin);
+            hulls_.push_back(face_planes(*part.hull, margin, placed.centre + glm::dvec3(part.offset)));
+            for (const glm::vec3& point : part.hull->points)
+                radius_ = std::max(radius_, glm::length(glm::dvec3(part.offset) + glm::dvec3(point)) + margin);
         }
     }
 
@@ -43,22 +39,21 @@ class Hulls {
     [[nodiscard]] double height(const glm::dvec3& point, double limit = infinity) const {
         if (glm::distance(point, placed_.centre) - radius_ > limit) return infinity;
         double nearest = infinity;
-        for (const std::vector<Plane>& hull : hulls_) {
+        for (const std::vector<HullPlane>& hull : hulls_) {
             double farthest = hull.empty() ? infinity : -infinity;
-            for (const Plane& plane : hull)
+            for (const HullPlane& plane : hull)
                 farthest = std::max(farthest, glm::dot(plane.normal, point) - plane.distance);
             nearest = std::min(nearest, farthest);
         }
         return nearest;
     }
 
-    // The bounds of the hulls along two axes, from a point.
-    void bounds(const glm::dvec3& from, const std::array<glm::dvec3, 2>& axes, glm::dvec2& least,
-                glm::dvec2& most) const {
+    // The bounds of the hulls along u and v of a frame at a point.
+    void bounds(const glm::dvec3& from, const fracture::AxisFrame& frame, glm::dvec2& least, glm::dvec2& most) const {
         for (const BodyPart& part : placed_.hulls)
             for (const glm::vec3& point : part.hull->points) {
                 const glm::dvec3 arm = placed_.centre + glm::dvec3(part.offset) + glm::dvec3(point) - from;
-                const glm::dvec2 at(glm::dot(arm, axes[0]), glm::dot(arm, axes[1]));
+                const glm::dvec2 at(glm::dot(arm, frame.u), glm::dot(arm, frame.v));
                 least = glm::min(least, at - static_cast<double>(part.hull->margin));
                 most = glm::max(most, at + static_cast<double>(part.hull->margin));
             }
@@ -67,47 +62,20 @@ class Hulls {
     [[nodiscard]] bool empty() const { return hulls_.empty(); }
 
   private:
-    struct Plane {
-        glm::dvec3 normal;
-        double distance;
-    };
-
-    // Newell's normal of the polygon.
-    static Plane plane_of(const std::vector<glm::vec3>& points, std::span<const uint16_t> corners, const glm::dvec3& at,
-                          double margin) {
-        glm::dvec3 normal(0.0), middle(0.0);
-        for (size_t k = 0; k < corners.size(); ++k) {
-            const glm::dvec3 here(points[corners[k]]), next(points[corners[(k + 1) % corners.size()]]);
-            normal += glm::cross(here, next);
-            middle += here / static_cast<double>(corners.size());
-        }
-        normal = glm::normalize(normal);
-        return {normal, glm::dot(normal, at + middle) + margin};
-    }
-
     PlacedHulls placed_;
-    std::vector<std::vector<Plane>> hulls_;
+    std::vector<std::vector<HullPlane>> hulls_;
     double radius_ = 0.0; // m, around the centre
 };
 
-std::array<glm::dvec3, 2> axes_across(const glm::dvec3& normal) {
-    const glm::dvec3 size = glm::abs(normal);
-    const glm::dvec3 least = size.x <= size.y && size.x <= size.z ? glm::dvec3(1.0, 0.0, 0.0)
-                             : size.y <= size.z                   ? glm::dvec3(0.0, 1.0, 0.0)
-                                                                  : glm::dvec3(0.0, 0.0, 1.0);
-    const glm::dvec3 first = glm::normalize(glm::cross(normal, least));
-    return {first, glm::cross(normal, first)};
-}
-
 // Points all over the area of a bond.
 std::vector<glm::dvec3> points_on(const BondGraph::Bond& bond, const Hulls& piece, const Hulls& other) {
-    const std::array<glm::dvec3, 2> axes = axes_across(bond.normal);
+    const fracture::AxisFrame frame = fracture::axis_frame(bond.normal);
     const double tolerance = tolerance_share * std::sqrt(bond.area), disc = std::sqrt(bond.area / std::numbers::pi);
     glm::dvec2 least(-infinity), most(infinity);
     for (const Hulls* side : {&piece, &other}) {
         if (side->empty()) continue;
         glm::dvec2 from(infinity), to(-infinity);
-        side->bounds(bond.centroid, axes, from, to);
+        side->bounds(bond.centroid, frame, from, to);
         least = glm::max(least, from);
         most = glm::min(most, to);
     }
@@ -115,7 +83,7 @@ std::vector<glm::dvec3> points_on(const BondGraph::Bond& bond, const Hulls& piec
     for (int i = 0; i < grid; ++i)
         for (int j = 0; j < grid; ++j) {
             const glm::dvec2 at = glm::mix(least, most, (glm::dvec2(i, j) + 0.5) / static_cast<double>(grid));
-            const glm::dvec3 point = bond.centroid + at.x * axes[0] + at.y * axes[1];
+            const glm::dvec3 point = bond.centroid + at.x * frame.u + at.y * frame.v;
             const bool on_other = other.empty() ? glm::length(at) <= disc : other.height(point) <= tolerance;
             if (on_other && piece.height(point) <= tolerance) points.push_back(point);
         }

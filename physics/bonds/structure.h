@@ -136,6 +136,7 @@ class Structure {
     // returned motion is that of the fragments' coordinate system: parts that the piece is cut into continue it
     // (StructureDesc::motion).
     std::optional<PlacedMotion> take_piece(World& world, uint32_t piece);
+
     // A part of a piece that is cut.
     struct Part {
         glm::dvec3 centre{0.0};                 // of mass, in the fragments

@@ -136,6 +136,7 @@ std::vector<PieceId> Destruction::divide(World& world, PieceId old, Broken& brok
     const auto first = static_cast<uint32_t>(shared.structure->piece_count());
     std::vector<PieceId> made;
     if (!shared.structure->divide(world, parent.bonded, broken.parts)) {
+        ++statistics_.failed;
         statistics_.last_failure = "a part of a bonded piece is too small for a body";
         pieces_.at(old).unbreakable = true;
         return made;

@@ -49,17 +49,7 @@ Polytope Polytope::around(const CollisionHull& hull, double beyond, const glm::d
         high = glm::max(high, glm::dvec3(p));
     }
     polytope = of({low + (offset - beyond), high + (offset + beyond)});
-    const HullFaces faces = hull.faces.count() > 0 ? hull.faces : hull_faces(hull.points);
-    for (size_t f = 0; f < faces.count(); ++f) {
-        const auto loop = faces.of(f);
-        const glm::dvec3 apex(hull.points[loop[0]]);
-        glm::dvec3 area(0.0);
-        for (size_t k = 2; k < loop.size(); ++k)
-            area += glm::cross(glm::dvec3(hull.points[loop[k - 1]]) - apex, glm::dvec3(hull.points[loop[k]]) - apex);
-        if (!(glm::length(area) > 0.0)) continue;
-        const glm::dvec3 normal = glm::normalize(area);
-        polytope.cut({normal, glm::dot(normal, apex + offset) + beyond});
-    }
+    for (const HullPlane& plane : face_planes(hull, beyond, offset)) polytope.cut(plane);
     return polytope;
 }
 

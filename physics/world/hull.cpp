@@ -564,6 +564,22 @@ PieceHulls collision_hulls(const fracture::Fragments& fragments, const HullSetti
     return hulls;
 }
 
+std::vector<HullPlane> face_planes(const CollisionHull& hull, double beyond, const glm::dvec3& offset) {
+    std::vector<HullPlane> planes;
+    const HullFaces faces = hull.faces.count() > 0 ? hull.faces : hull_faces(hull.points);
+    for (size_t f = 0; f < faces.count(); ++f) {
+        const auto loop = faces.of(f);
+        const glm::dvec3 apex(hull.points[loop[0]]);
+        glm::dvec3 area(0.0);
+        for (size_t k = 2; k < loop.size(); ++k)
+            area += glm::cross(glm::dvec3(hull.points[loop[k - 1]]) - apex, glm::dvec3(hull.points[loop[k]]) - apex);
+        if (!(glm::length(area) > 0.0)) continue;
+        const glm::dvec3 normal = glm::normalize(area);
+        planes.push_back({normal, glm::dot(normal, apex + offset) + beyond});
+    }
+    return planes;
+}
+
 CrossSection cross_section(std::span<const glm::vec3> points) {
     const std::vector<glm::dvec3> exact(points.begin(), points.end());
     if (exact.size() >= 4)

@@ -125,6 +125,9 @@ using HullEdge = std::pair<uint32_t, uint32_t>;
 // left out. Fewer than 4 points, coplanar ones, or more than 65,535, give none.
 [[nodiscard]] HullFaces hull_faces(std::span<const glm::vec3> points);
 
+// Returns the planes of a hull's faces, moved outwards by `beyond`; `offset` moves all. Faces without area have none.
+[[nodiscard]] std::vector<HullPlane> face_planes(const CollisionHull& hull, double beyond, const glm::dvec3& offset);
+
 // Returns the cross section of the convex hull of points, or of their bounding box if they span no volume.
 [[nodiscard]] CrossSection cross_section(std::span<const glm::vec3> points);
 
