@@ -10,6 +10,7 @@
 #include <glm/geometric.hpp>
 
 #include "fracture/fracture.h"
+#include "fracture/mesh/convex_hull.h"
 #include "fracture/mesh/mass_properties.h"
 #include "physics/cutting/impact_pattern.h"
 
@@ -50,7 +51,7 @@ Part part_of(std::span<const glm::dvec3> positions, double volume) {
     // Measures the exact hull. A collision hull has a bounded number of vertices and a margin, and may be smaller than
     // the solid; only parts that are cut no more get one.
     const std::vector<glm::vec3> corners(part.points.begin(), part.points.end());
-    const TriangleMesh full = hull_mesh(corners);
+    const TriangleMesh full = fracture::convex_hull(corners);
     part.excess = fracture::signed_volume(full.positions, full.triangles) - volume;
     return part;
 }

@@ -8,6 +8,7 @@
 #include <glm/geometric.hpp>
 
 #include "fracture/base/threads.h"
+#include "fracture/mesh/convex_hull.h"
 #include "physics/cutting/convex_parts.h"
 
 namespace brittle::physics {
@@ -63,9 +64,9 @@ fracture::TriangleMesh plain_hull(std::span<const glm::vec3> points) {
     const glm::vec3 fourth = farthest([&](const glm::vec3& p) { return std::abs(glm::dot(p - first, across)); });
     std::vector<glm::vec3> corners{first, second, third, fourth};
     while (true) {
-        fracture::TriangleMesh mesh = hull_mesh(corners);
+        fracture::TriangleMesh mesh = fracture::convex_hull(corners);
         const std::vector<Plane> planes = planes_of(mesh);
-        if (planes.empty()) return hull_mesh(points);
+        if (planes.empty()) return fracture::convex_hull(points);
         const auto reach = [&](const glm::vec3& p) {
             float most = 0.0f;
             for (const Plane& plane : planes) most = std::max(most, glm::dot(plane.normal, p) - plane.distance);

@@ -13,6 +13,7 @@
 #include <glm/geometric.hpp>
 
 #include "fracture/local/cluster_queries.h"
+#include "fracture/mesh/convex_hull.h"
 #include "physics/cutting/job_threads.h"
 #include "physics/cutting/polytope.h"
 
@@ -38,8 +39,8 @@ Polytope clipped(Polytope polytope, std::span<const HullPlane> planes) {
 double hull_volume(std::span<const glm::dvec3> points, const glm::dvec3& centre) {
     std::vector<glm::vec3> corners;
     for (const glm::dvec3& p : points) corners.emplace_back(p - centre);
-    const fracture::TriangleMesh full = hull_mesh(corners);
-    return fracture::signed_volume(full.positions, full.triangles);
+    const fracture::TriangleMesh hull = fracture::convex_hull(corners);
+    return fracture::signed_volume(hull.positions, hull.triangles);
 }
 
 // The plane of a face; nothing for one without area.

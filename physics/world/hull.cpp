@@ -12,7 +12,6 @@
 
 #include "fracture/base/simd.h"
 #include "fracture/base/threads.h"
-#include "fracture/mesh/mass_properties.h"
 #include "fracture/mesh/principal_axes.h"
 
 namespace brittle::physics {
@@ -610,29 +609,6 @@ std::vector<HullEdge> hull_edges(std::span<const glm::vec3> points) {
         if (glm::dot(left, right) < same_face * glm::length(left) * glm::length(right)) edges.push_back(ends);
     }
     return edges;
-}
-
-fracture::TriangleMesh hull_mesh(std::span<const glm::vec3> points) {
-    fracture::TriangleMesh mesh;
-    if (points.empty()) return mesh;
-    btConvexHullComputer computer;
-    computer.compute(&points[0].x, static_cast<int>(sizeof(glm::vec3)), static_cast<int>(points.size()), 0.0f, 0.0f);
-    for (int v = 0; v < computer.vertices.size(); ++v) {
-        const btVector3& p = computer.vertices[v];
-        mesh.positions.emplace_back(p.x(), p.y(), p.z());
-    }
-    for (int f = 0; f < computer.faces.size(); ++f) {
-        const btConvexHullComputer::Edge* const first = &computer.edges[computer.faces[f]];
-        const auto apex = static_cast<uint32_t>(first->getSourceVertex());
-        for (const auto* edge = first->getNextEdgeOfFace(); edge->getTargetVertex() != static_cast<int>(apex);
-             edge = edge->getNextEdgeOfFace())
-            mesh.triangles.emplace_back(apex, static_cast<uint32_t>(edge->getSourceVertex()),
-                                        static_cast<uint32_t>(edge->getTargetVertex()));
-    }
-    // The winding of btConvexHullComputer's faces is unspecified.
-    if (fracture::signed_volume(mesh.positions, mesh.triangles) < 0.0)
-        for (fracture::Triangle& t : mesh.triangles) std::swap(t.y, t.z);
-    return mesh;
 }
 
 } // namespace brittle::physics

@@ -131,8 +131,4 @@ using HullEdge = std::pair<uint32_t, uint32_t>;
 // Returns the cross section of the convex hull of points, or of their bounding box if they span no volume.
 [[nodiscard]] CrossSection cross_section(std::span<const glm::vec3> points);
 
-// Returns the convex hull of points as a closed mesh, oriented outwards. Fewer than 4 points, or coplanar ones, may
-// give an empty mesh.
-[[nodiscard]] fracture::TriangleMesh hull_mesh(std::span<const glm::vec3> points);
-
 } // namespace brittle::physics

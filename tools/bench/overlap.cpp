@@ -9,6 +9,7 @@
 #include <glm/gtc/quaternion.hpp>
 
 #include "fracture/base/random.h"
+#include "fracture/mesh/convex_hull.h"
 #include "fracture/mesh/mass_properties.h"
 
 namespace brittle::tools {
@@ -66,7 +67,7 @@ HullFeatures features_of(const physics::CollisionHull& hull) {
         features.radius = std::max(features.radius, glm::length(glm::dvec3(point)));
     }
     features.radius += features.margin;
-    const fracture::TriangleMesh mesh = physics::hull_mesh(hull.points);
+    const fracture::TriangleMesh mesh = fracture::convex_hull(hull.points);
     features.volume = fracture::signed_volume(mesh.positions, mesh.triangles);
     for (const fracture::Triangle& triangle : mesh.triangles) {
         const glm::dvec3 &a = mesh.positions[triangle.x], &b = mesh.positions[triangle.y],

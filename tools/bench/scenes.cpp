@@ -7,6 +7,7 @@
 #include <glm/gtc/quaternion.hpp>
 
 #include "fracture/base/random.h"
+#include "fracture/mesh/convex_hull.h"
 #include "fracture/mesh/islands.h"
 #include "fracture/mesh/mass_properties.h"
 #include "fracture/shapes/shapes.h"
@@ -77,7 +78,7 @@ BodyDesc& add_convex(Scene& scene, std::span<const glm::dvec3> points, double de
     for (const glm::dvec3& point : points) middle += point / static_cast<double>(points.size());
     std::vector<glm::vec3> around;
     for (const glm::dvec3& point : points) around.emplace_back(point - middle);
-    const fracture::TriangleMesh mesh = physics::hull_mesh(around);
+    const fracture::TriangleMesh mesh = fracture::convex_hull(around);
     const fracture::MassProperties mass = fracture::mass_properties(mesh.positions, mesh.triangles);
     const glm::dvec3 centre = middle + mass.centre_of_mass;
     std::vector<glm::dvec3>& solid = scene.solids.emplace_back(points.begin(), points.end());

@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 
 #include "fracture/base/random.h"
+#include "fracture/mesh/convex_hull.h"
 #include "fracture/mesh/inside.h"
 #include "fracture/mesh/mass_properties.h"
 #include "fracture/shapes/shapes.h"
@@ -27,7 +28,7 @@ Parts parts_of(const fracture::TriangleMesh& mesh, const ConvexPartSettings& set
     made.mass = fracture::mass_properties(mesh.positions, mesh.triangles);
     made.parts = convex_parts(mesh.positions, mesh.triangles, made.mass.volume, made.mass.centre_of_mass, settings);
     for (const BodyPart& part : made.parts) {
-        const fracture::TriangleMesh hull = hull_mesh(part.hull->points);
+        const fracture::TriangleMesh hull = fracture::convex_hull(part.hull->points);
         made.hulls += fracture::signed_volume(hull.positions, hull.triangles);
     }
     return made;
@@ -35,7 +36,7 @@ Parts parts_of(const fracture::TriangleMesh& mesh, const ConvexPartSettings& set
 
 bool in_some_hull(const Parts& made, const glm::dvec3& point) {
     return std::ranges::any_of(made.parts, [&](const BodyPart& part) {
-        const fracture::TriangleMesh hull = hull_mesh(part.hull->points);
+        const fracture::TriangleMesh hull = fracture::convex_hull(part.hull->points);
         const glm::dvec3 local = point - made.mass.centre_of_mass - glm::dvec3(part.offset);
         return std::ranges::all_of(hull.triangles, [&](const fracture::Triangle& t) {
             const glm::dvec3 &a = hull.positions[t.x], &b = hull.positions[t.y], &c = hull.positions[t.z];
@@ -102,7 +103,7 @@ TEST_CASE("convex parts: the candidates of a hull are few and span nearly all of
     const std::vector<glm::dvec3> few = hull_candidates(ball.positions);
     CHECK(few.size() <= 600);
     const std::vector<glm::vec3> points(few.begin(), few.end());
-    const fracture::TriangleMesh hull = hull_mesh(points);
+    const fracture::TriangleMesh hull = fracture::convex_hull(points);
     CHECK(fracture::signed_volume(hull.positions, hull.triangles) > 0.98 * 4.18879);
     const fracture::TriangleMesh lattice = fracture::lattice_cube(32);
     const std::vector<glm::dvec3> corners = hull_candidates(lattice.positions);

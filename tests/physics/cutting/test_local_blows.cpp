@@ -11,6 +11,7 @@
 
 #include "fracture/base/random.h"
 #include "fracture/local/cluster_queries.h"
+#include "fracture/mesh/convex_hull.h"
 #include "fracture/mesh/inside.h"
 #include "fracture/mesh/topology.h"
 #include "fracture/shapes/shapes.h"
@@ -205,7 +206,7 @@ TEST_CASE("local blow: forty blows all stay local, add few hulls, and none of th
         for (const BodyPart& part : solid->parts) {
             Convex& convex = hulls.emplace_back();
             convex.place = solid->mass.centre_of_mass + glm::dvec3(part.offset);
-            const fracture::TriangleMesh full = hull_mesh(part.hull->points);
+            const fracture::TriangleMesh full = fracture::convex_hull(part.hull->points);
             for (const fracture::Triangle& t : full.triangles) {
                 const glm::dvec3& a = full.positions[t.x];
                 const glm::dvec3 area = glm::cross(full.positions[t.y] - a, full.positions[t.z] - a);

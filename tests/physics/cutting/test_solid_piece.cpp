@@ -12,6 +12,7 @@
 
 #include "fracture/base/random.h"
 #include "fracture/fracture.h"
+#include "fracture/mesh/convex_hull.h"
 #include "fracture/mesh/topology.h"
 #include "fracture/shapes/shapes.h"
 #include "fracture/sites/sites.h"
@@ -181,7 +182,7 @@ TEST_CASE("solid piece: the hull of a rough piece has the size of the piece") {
     for (const SolidPtr& piece : must_break(*whole, 12, 3, {.min_size = 0.01, .rough = {.amount = 1.0}})) {
         double volume = 0.0;
         for (const BodyPart& part : piece->parts) {
-            const fracture::TriangleMesh hull = hull_mesh(part.hull->points);
+            const fracture::TriangleMesh hull = fracture::convex_hull(part.hull->points);
             volume += fracture::signed_volume(hull.positions, hull.triangles);
         }
         // The margin takes a little off, and the planes of the contacts what bumps there are.

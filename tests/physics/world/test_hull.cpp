@@ -14,6 +14,7 @@
 #include <doctest/doctest.h>
 
 #include "fracture/fracture.h"
+#include "fracture/mesh/convex_hull.h"
 #include "fracture/shapes/shapes.h"
 #include "fracture/sites/sites.h"
 #include "tests/physics/convex_pieces.h"
@@ -278,7 +279,7 @@ TEST_CASE("a hull that is cut stays behind the plane with its margin, and keeps 
         }
         hull = *cut;
     }
-    const fracture::TriangleMesh full = physics::hull_mesh(hull.points);
+    const fracture::TriangleMesh full = fracture::convex_hull(hull.points);
     // The part of the ball behind forty planes at 0.9 to 0.7 of its radius holds the ball of 0.7.
     CHECK(fracture::signed_volume(full.positions, full.triangles) > 0.85 * 4.18879 * 0.7 * 0.7 * 0.7);
     // Of a cube, all of whose corners fit in, half remains.
@@ -547,7 +548,7 @@ TEST_CASE("hull faces: a hull of triangles that do not merge is closed") {
         const HullFaces faces = hull_faces(points);
         CHECK(faces.count() >= 4);
         const double sum = check_faces(points, faces, 6e-3);
-        const double exact = area_of_mesh(physics::hull_mesh(points));
+        const double exact = area_of_mesh(fracture::convex_hull(points));
         CHECK(sum == doctest::Approx(exact).epsilon(2e-3));
         if (faces.count() != 2 * static_cast<size_t>(count) - 4) {
             ++merged;
@@ -577,7 +578,7 @@ TEST_CASE("hull faces: pieces have faces of their hull that cover it, and none i
             CHECK(hull.faces.corners == again.corners);
             CHECK(hull.faces.ends == again.ends);
             const double covered = check_faces(hull.points, hull.faces, 6e-3);
-            const double whole = area_of_mesh(physics::hull_mesh(hull.points));
+            const double whole = area_of_mesh(fracture::convex_hull(hull.points));
             lost = std::max(lost, 1.0 - covered / whole);
             gained = std::max(gained, covered / whole - 1.0);
         }
