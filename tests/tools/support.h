@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <string>
 
+#include <doctest/doctest.h>
 #include <sys/wait.h>
 
 #include "tests/folder.h"
@@ -31,6 +32,13 @@ inline Outcome run_brittle(const Folder& folder, const std::string& arguments, c
     Outcome outcome{WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), read_text(log)};
     std::filesystem::remove(log);
     return outcome;
+}
+
+// Whether a command that draws found no Vulkan device; the test is then skipped, with a message.
+inline bool no_vulkan(const Outcome& outcome) {
+    if (outcome.exit_code != 6) return false;
+    MESSAGE("skipped: no Vulkan device");
+    return true;
 }
 
 } // namespace brittle::tools::test

@@ -27,12 +27,6 @@ using namespace brittle::tools::test;
 
 namespace {
 
-bool no_vulkan(const Outcome& outcome) {
-    if (outcome.exit_code != 6) return false;
-    MESSAGE("skipped: no Vulkan device");
-    return true;
-}
-
 // Records a short run of the wall.
 Outcome record(const Folder& folder, const std::string& more = "") {
     return run_brittle(folder, "render " BRITTLE_ASSETS "/scenes/brick_wall_rammed.json --frames 30 --size 64x48 -o "

@@ -139,6 +139,49 @@ TEST_CASE("profile: a plan's groups replace the lists, which fill in what a grou
     CHECK(more[3].name == "glass torus 7 gpu");
 }
 
+TEST_CASE("profile: a scene is one scenario, named by its file, and takes no lists") {
+    FractureOptions scene;
+    scene.objects.emplace_back();
+    CHECK(make_scenarios({}, {}, scene).front().name == "scene");
+    ScenarioGroup lists;
+    lists.recipe = "folder/room.json"; // of the command line: it has been read, and is not read again
+    const std::vector<Scenario> all = make_scenarios({}, lists, scene);
+    REQUIRE(all.size() == 1);
+    CHECK(all[0].name == "room");
+    CHECK(all[0].fracture.objects.size() == 1);
+    for (const ScenarioGroup& more : {ScenarioGroup{{}, {}, {"shape:cube"}, {}, {}}, ScenarioGroup{{}, {}, {}, {3}, {}},
+                                      ScenarioGroup{{}, {}, {}, {}, {"cpu"}}})
+        has(message_of(exit_usage, [&] { (void)make_scenarios({}, more, scene); }), "a scene is measured as it is");
+
+    const Folder folder;
+    (void)folder.write("hall.json", R"({"brittle": 2, "objects": [{"name": "a", "mesh": "shape:cube"}]})");
+    ProfilePlan plan;
+    read_profile_plan(folder.write("plan.json", R"({"brittle_profile": 1, "scenarios": [
+        {"recipe": "hall.json", "name": "big"}, {"meshes": ["shape:cube"], "counts": [4]}]})"),
+                      plan);
+    const FractureOptions nothing;
+    const std::vector<Scenario> mixed = make_scenarios(plan, {}, nothing);
+    REQUIRE(mixed.size() == 2);
+    CHECK(mixed[0].name == "big hall");
+    CHECK(mixed[1].name == "cube 4 cpu");
+}
+
+TEST_CASE("profile: the start of a scene is compared, and decides") {
+    const auto scene = [](double total, double frame) {
+        Json json = profile_of(row(1.0, 1.0), row(1.0, 1.0), "room");
+        Json& scenario = json["scenarios"][0];
+        scenario.erase("fracture");
+        scenario["start"] = {{"read", row(1.0, 1.0)}, {"total", row(total, total)}};
+        scenario["frames"] = {{"playing", {{"frame", row(frame, frame)}}}};
+        return json;
+    };
+    CHECK_FALSE(compare_profiles(scene(1.0, 1.0), scene(1.0, 1.0), 1.1).slower);
+    CHECK(compare_profiles(scene(1.0, 1.0), scene(2.0, 1.0), 1.1).slower);
+    CHECK(compare_profiles(scene(1.0, 1.0), scene(1.0, 2.0), 1.1).slower);
+    // A mesh of that name was measured before.
+    CHECK_FALSE(compare_profiles(profile_of(row(1.0, 1.0), row(1.0, 1.0), "room"), scene(9.0, 1.0), 1.1).slower);
+}
+
 TEST_CASE("profile: impossible scenarios are refused") {
     FractureOptions base;
     has(message_of(exit_usage, [&] { (void)make_scenarios({}, {}, base); }), "--meshes");

@@ -33,9 +33,7 @@ void add_demo(CLI::App& app, Run& run) {
                 "  brittle demo assets/worlds/room_with_a_view.json --record run.log");
     demo.callback([&run, &demo, command] {
         refuse_standard_input(demo, command->fracture.mesh);
-        for (const char* option : {"--recipe", "mesh"})
-            for (const std::string& file : demo.get_option(option)->results())
-                if (std::string(option) == "--recipe" || file.ends_with(".json")) command->recipe = file;
+        command->recipe = recipe_file(demo);
         run = [command] {
             command->fracture = scene_of_pieces(std::move(command->fracture));
             return run_demo(*command);

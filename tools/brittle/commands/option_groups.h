@@ -31,6 +31,8 @@ void add_general_options(CLI::App& command, bool* json);
 
 // Mesh, recipe, pattern, sites and algorithm.
 void add_fracture_options(CLI::App& command, FractureOptions& options);
+// Returns the recipe that the command line names, which gave the options; or "". After parsing.
+[[nodiscard]] std::string recipe_file(const CLI::App& command);
 // --pieces-from, for commands that play scenes. After add_fracture_options().
 void add_pieces_option(CLI::App& command, FractureOptions& options);
 // The physics of the pieces after the fracture.

@@ -62,12 +62,6 @@ void add_mesh_options(CLI::App& command, FractureOptions& options) {
         ->default_str("fit");
 }
 
-// Returns whether a recipe gives the options: its sites are where it says, even if they change elsewhere.
-bool names_recipe(const CLI::App& command) {
-    const CLI::Option* const mesh = command.get_option("mesh");
-    return command.count("--recipe") > 0 || (mesh->count() > 0 && mesh->results().front().ends_with(".json"));
-}
-
 // --material comes before --pattern and its shape, which override it.
 void add_pattern_options(CLI::App& command, FractureOptions& options) {
     start_group(command, "Material and pattern");
@@ -145,8 +139,8 @@ void add_pattern_options(CLI::App& command, FractureOptions& options) {
 void place_inside_by_default(const CLI::App& command, fracture::Pattern& pattern) {
     const bool is_random =
         pattern.kind == fracture::PatternKind::uniform || pattern.kind == fracture::PatternKind::clustered;
-    if (command.count("--inside") == 0 && command.count("--sites-in-box") == 0 && is_random && !names_recipe(command))
-        pattern.inside = true;
+    const bool is_open = command.count("--inside") == 0 && command.count("--sites-in-box") == 0;
+    if (is_open && is_random && recipe_file(command).empty()) pattern.inside = true;
 }
 
 void add_site_options(CLI::App& command, FractureOptions& options) {
@@ -282,6 +276,14 @@ void add_pieces_option(CLI::App& command, FractureOptions& options) {
             "touch, and blows break them. The file is in metres unless --units says otherwise.")
         ->type_name("SET.glb")
         ->excludes(command.get_option("mesh"));
+}
+
+std::string recipe_file(const CLI::App& command) {
+    std::string found;
+    for (const std::string option : {"--recipe", "mesh"})
+        for (const std::string& file : command.get_option(option)->results())
+            if (option == "--recipe" || file.ends_with(".json")) found = file;
+    return found;
 }
 
 void add_fracture_options(CLI::App& command, FractureOptions& options) {

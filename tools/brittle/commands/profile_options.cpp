@@ -43,16 +43,18 @@ void add_scenario_lists(CLI::App& profile, ScenarioGroup& lists) {
 }
 
 void add_repetitions(CLI::App& profile, ProfilePlan& plan) {
-    profile.add_option("--warm-up", plan.warm_up, "Number of fractures before the measured ones")
+    profile
+        .add_option("--warm-up", plan.warm_up, "Number of fractures, or starts of a scene, before the measured ones")
         ->check(number_from(0, 10'000))
         ->capture_default_str();
-    profile.add_option("--repeats", plan.repeats, "Number of measured fractures")
+    profile.add_option("--repeats", plan.repeats, "Number of measured fractures, or starts of a scene")
         ->check(number_from(1, 10'000))
         ->capture_default_str();
     profile
-        .add_option("--frames", plan.frames,
-                    "Number of measured frames before the fracture, and again after it. 0 measures none and needs no "
-                    "device.")
+        .add_option(
+            "--frames", plan.frames,
+            "Number of measured frames before the fracture, and again after it; of a scene, while it stands and "
+            "while it is played. 0 measures none and needs no device.")
         ->check(number_from(0, 100'000))
         ->capture_default_str();
 }
@@ -90,16 +92,18 @@ void add_profile(CLI::App& app, Run& run) {
     add_view_options(profile, command->view);
     add_threads_option(profile, command->fracture.threads);
     add_general_options(profile, &command->json);
-    profile.footer("The exit code is 7 if --compare finds the total of a fracture, or the frames before or after it, "
-                   "slower.\n\n"
+    profile.footer("The exit code is 7 if --compare finds the total of a fracture or of a scene's start, or the "
+                   "frames before or after it, slower.\n\n"
                    "Examples:\n"
                    "  brittle profile bunny.obj -n 100 -o before.json\n"
                    "  brittle profile bunny.obj -n 100 --compare before.json\n"
                    "  brittle profile bunny.obj --counts 10,100,1000 --classify cpu,gpu --frames 0\n"
-                   "  brittle profile bunny.obj -n 1000 --trace frames.json");
+                   "  brittle profile bunny.obj -n 1000 --trace frames.json\n"
+                   "  brittle profile assets/worlds/courtyard.json --repeats 5 --frames 300");
     profile.callback([&run, &profile, command] {
         refuse_standard_input(profile, command->fracture.mesh);
         for (const std::string& mesh : command->lists.meshes) refuse_standard_input(profile, mesh);
+        command->lists.recipe = recipe_file(profile);
         run = [command] { return run_profile(*command); };
     });
 }

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <limits>
 
+#include "tools/brittle/profile/series.h"
 #include "tools/scenario/base/failure.h"
 #include "tools/scenario/recipe/json_reader.h"
 
@@ -38,13 +39,15 @@ void check_scenario(const std::filesystem::path& file, const Json& scenario, con
     std::string name;
     reader.text("name", name);
     if (name.empty()) throw reader.failure("name", "is missing");
-    const Json* fracture = reader.find("fracture");
-    if (!fracture) throw reader.failure("fracture", "is missing");
-    check_rows(file, *fracture, path + "/fracture");
+    const char* group = main_group(scenario);
+    const Json* rows = reader.find(group);
+    if (!rows) throw reader.failure(group, "is missing");
+    check_rows(file, *rows, path + "/" + group);
     const Json* frames = reader.find("frames");
     if (!frames) return;
     JsonReader groups(file, *frames, path + "/frames");
-    for (const auto& [group, rows] : frames->items()) check_rows(file, rows, path + "/frames/" + group);
+    for (const auto& [name_of_frames, times] : frames->items())
+        check_rows(file, times, path + "/frames/" + name_of_frames);
 }
 
 double ratio_of(const Json& before, const Json& after, const char* key) {
@@ -75,8 +78,10 @@ void compare_rows(const std::string& scenario, const std::string& group, const J
         p.after = row["median"].get<double>();
         p.ratio = ratio_of(*old, row, "median");
         p.verdict = verdict_of(*old, row, out.threshold);
-        p.decides = (group == "fracture" && phase == "total")
-                    || ((group == "frames whole" || group == "frames falling") && phase == "frame");
+        const bool is_main = group == "fracture" || group == "start";
+        const bool is_steady = group == "frames whole" || group == "frames falling" || group == "frames standing"
+                               || group == "frames playing";
+        p.decides = (is_main && phase == "total") || (is_steady && phase == "frame");
         out.slower = out.slower || (p.decides && p.verdict == Verdict::slower);
         out.phases.push_back(p);
     }
@@ -147,8 +152,9 @@ Comparison compare_profiles(const Json& before, const Json& after, double thresh
             continue;
         }
         in_common = true;
-        note_differences(name + ": ", *old, scenario, {"triangles", "sites", "pieces", "recipe"}, out.notes);
-        compare_rows(name, "fracture", (*old)["fracture"], scenario["fracture"], out);
+        note_differences(name + ": ", *old, scenario, {"objects", "triangles", "sites", "pieces", "recipe"}, out.notes);
+        const char* main = main_group(scenario);
+        if (old->contains(main)) compare_rows(name, main, (*old)[main], scenario[main], out);
         const Json frames = part(scenario, "frames"), old_frames = part(*old, "frames");
         for (const auto& [group, rows] : frames.items())
             if (old_frames.contains(group)) compare_rows(name, "frames " + group, old_frames[group], rows, out);

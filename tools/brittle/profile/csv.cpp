@@ -1,5 +1,7 @@
 #include "tools/brittle/profile/csv.h"
 
+#include "tools/brittle/profile/series.h"
+
 namespace brittle::tools {
 
 namespace {
@@ -34,8 +36,8 @@ std::string profile_csv(const Json& profile) {
     for (const Json& scenario : profile["scenarios"]) {
         std::string front;
         for (const char* key : {"name", "mesh", "triangles", "sites", "pieces", "classify"})
-            front += cell(scenario[key]) + ",";
-        add_rows(csv, front, "fracture", scenario["fracture"]);
+            front += cell(scenario.value(key, Json(""))) + ","; // a scene has no mesh, sites and classify
+        add_rows(csv, front, main_group(scenario), scenario[main_group(scenario)]);
         if (!scenario.contains("frames")) continue;
         for (const auto& [name, rows] : scenario["frames"].items()) add_rows(csv, front, "frames " + name, rows);
     }

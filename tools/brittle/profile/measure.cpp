@@ -2,10 +2,12 @@
 
 #include <filesystem>
 
+#include "tools/brittle/base/console.h"
 #include "tools/brittle/base/device_failure.h"
 #include "tools/brittle/pictures/view.h"
 #include "tools/brittle/profile/fractures.h"
 #include "tools/brittle/profile/frames.h"
+#include "tools/brittle/profile/scenes.h"
 #include "tools/brittle/stage/loading.h"
 #include "tools/brittle/stage/stage.h"
 #include "tools/scenario/base/failure.h"
@@ -51,6 +53,29 @@ engine::Renderer& Profiler::renderer() {
 }
 
 Json Profiler::measure(const Scenario& scenario) {
+    return is_scene(scenario.fracture) ? measure_scene(scenario) : measure_mesh(scenario);
+}
+
+Json Profiler::measure_scene(const Scenario& scenario) {
+    const int64_t begin = trace_clock();
+    engine::Renderer* const drawer = plan_.frames > 0 ? &renderer() : nullptr;
+    const SceneTimes times = measure_starts(scenario, plan_, drawer, trace_);
+    for (const std::string& note : times.notes) tell("%s", note.c_str());
+    Json json{{"name", scenario.name},  {"objects", times.objects},          {"triangles", times.triangles},
+              {"pieces", times.pieces}, {"first", times.first_milliseconds}, {"start", times.start.json()}};
+    if (drawer) {
+        const SceneFrames frames = measure_scene_frames(scenario, plan_, view_, *drawer, trace_);
+        json["frames"] = {{"starting", frames.starting.json()},
+                          {"standing", frames.standing.json()},
+                          {"playing", frames.playing.json()}};
+        json["frame_series"] = {{"milliseconds", frames.milliseconds}, {"playing_from", frames.playing_from}};
+        json["played"] = {{"cuts", frames.cuts}, {"pieces", frames.pieces}};
+    }
+    if (trace_) trace_->add(Track::main, 0, scenario.name, begin, trace_clock());
+    return json;
+}
+
+Json Profiler::measure_mesh(const Scenario& scenario) {
     const Input input = placed_on_stage(open_input(scenario.fracture));
     const ClassifyChoice choice = choose(scenario, input);
     engine::GpuClassifier* const classifier = choice.classifier.get();

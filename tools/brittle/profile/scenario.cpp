@@ -63,8 +63,12 @@ std::string sites_name(const FractureOptions& options) {
     return text;
 }
 
+std::string scene_name(const ScenarioGroup& group) {
+    const std::string file = group.recipe.empty() ? "scene" : stem(group.recipe);
+    return group.name.empty() ? file : group.name + " " + file;
+}
+
 Scenario make_scenario(const ScenarioGroup& group, FractureOptions options, const std::string& classify) {
-    refuse_scene(options);
     if (options.mesh.empty())
         throw Failure(exit_usage, "no mesh to profile: give MESH, --meshes A,B or a recipe that names one");
     const std::string name =
@@ -101,10 +105,17 @@ std::vector<Scenario> make_scenarios(const ProfilePlan& plan, const ScenarioGrou
     const std::vector<ScenarioGroup> groups = plan.groups.empty() ? std::vector{lists} : plan.groups;
     for (const ScenarioGroup& group : groups) {
         FractureOptions options = base;
-        if (!group.recipe.empty()) read_recipe(group.recipe, options);
+        if (!plan.groups.empty() && !group.recipe.empty()) read_recipe(group.recipe, options);
         std::vector<std::string> meshes = group.meshes.empty() ? lists.meshes : group.meshes;
         std::vector<uint32_t> counts = group.counts.empty() ? lists.counts : group.counts;
         std::vector<std::string> classify = group.classify.empty() ? lists.classify : group.classify;
+        if (is_scene(options)) {
+            if (!meshes.empty() || !counts.empty() || !classify.empty())
+                throw Failure(exit_usage, "a scene is measured as it is: leave out --meshes, --counts and --classify, "
+                                          "or the meshes, counts and classify of its group");
+            scenarios.push_back({.name = scene_name(group), .fracture = options});
+            continue;
+        }
         if (meshes.empty()) meshes = {options.mesh};
         if (classify.empty()) classify = {"cpu"};
         if (!counts.empty() && !options.sites_file.empty())

@@ -20,4 +20,9 @@ class Series {
     std::vector<std::pair<std::string, std::vector<double>>> series_;
 };
 
+// Returns the key of the series that a scenario is about: "start" for a scene, "fracture" for a mesh.
+[[nodiscard]] inline const char* main_group(const nlohmann::ordered_json& scenario) {
+    return scenario.contains("start") ? "start" : "fracture";
+}
+
 } // namespace brittle::tools

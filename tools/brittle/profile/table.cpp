@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "tools/brittle/profile/series.h"
+
 namespace brittle::tools {
 
 namespace {
@@ -23,13 +25,30 @@ void print_rows(const std::string& title, const Json& rows) {
     }
 }
 
-void print_scenario(const Json& scenario) {
+void print_head_of_mesh(const Json& scenario) {
     std::printf("\n%s: %zu triangles, %zu sites, %u pieces, %s; the first fracture took %.2f\n",
                 text_of(scenario, "name").c_str(), scenario["triangles"].get<size_t>(), scenario["sites"].get<size_t>(),
                 scenario["pieces"].get<unsigned>(), scenario["closed"].get<bool>() ? "all closed" : "NOT ALL CLOSED",
                 scenario["first"].get<double>());
     std::printf("classification on the %s\n", text_of(scenario, "classify_why").c_str());
-    print_rows("fracture", scenario["fracture"]);
+}
+
+void print_head_of_scene(const Json& scenario) {
+    std::printf("\n%s: %zu objects, %zu triangles, %u pieces; the first start took %.2f\n",
+                text_of(scenario, "name").c_str(), scenario["objects"].get<size_t>(),
+                scenario["triangles"].get<size_t>(), scenario["pieces"].get<unsigned>(),
+                scenario["first"].get<double>());
+    if (!scenario.contains("played")) return;
+    const Json& played = scenario["played"];
+    const auto cuts = played["cuts"].get<unsigned>();
+    std::printf("played: %u %s, %zu pieces at the end\n", cuts, cuts == 1 ? "cut" : "cuts",
+                played["pieces"].get<size_t>());
+}
+
+void print_scenario(const Json& scenario) {
+    const std::string group = main_group(scenario);
+    scenario.contains("objects") ? print_head_of_scene(scenario) : print_head_of_mesh(scenario);
+    print_rows(group, scenario[group]);
     if (!scenario.contains("frames")) return;
     for (const auto& [name, rows] : scenario["frames"].items()) print_rows("frames, " + name, rows);
 }
@@ -41,7 +60,7 @@ void print_summary(const Json& scenarios) {
     size_t width = 0;
     for (const Json& scenario : scenarios) {
         width = std::max(width, text_of(scenario, "name").size());
-        for (const auto& [phase, s] : scenario["fracture"].items()) {
+        for (const auto& [phase, s] : scenario[main_group(scenario)].items()) {
             const bool known = std::find(phases.begin(), phases.end(), phase) != phases.end();
             if (!known && phase != "total" && !phase.starts_with("pass ")) phases.push_back(phase);
         }
@@ -52,7 +71,7 @@ void print_summary(const Json& scenarios) {
     for (const std::string& phase : phases) std::printf(" %9s", phase.c_str());
     std::printf(" %9s\n", "p95");
     for (const Json& scenario : scenarios) {
-        const Json& rows = scenario["fracture"];
+        const Json& rows = scenario[main_group(scenario)];
         std::printf("%-*s %7u", column, text_of(scenario, "name").c_str(), scenario["pieces"].get<unsigned>());
         for (const std::string& phase : phases) {
             if (rows.contains(phase)) {

@@ -29,6 +29,10 @@ enum class Track { main = 1, worker, device, classifier, share };
     return static_cast<Track>(static_cast<int>(Track::share) + static_cast<int>(thread));
 }
 
+[[nodiscard]] inline double milliseconds_between(int64_t begin, int64_t end) {
+    return static_cast<double>(end - begin) * 1e-6;
+}
+
 class Trace {
   public:
     // Adds a slice of time. A slice of depth d + 1 belongs to the slice of depth d in which it begins; depth 0 is

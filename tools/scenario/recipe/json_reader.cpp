@@ -1,7 +1,9 @@
 #include "tools/scenario/recipe/json_reader.h"
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
+#include <cstring>
 #include <fstream>
 
 #include "fracture/io/text_cursor.h"
@@ -39,7 +41,8 @@ Json parse_json(const std::filesystem::path& where, const std::string& text, con
 
 Json read_json_file(const std::filesystem::path& file, const std::string& what, size_t max_bytes) {
     std::ifstream stream(file, std::ios::binary);
-    if (!stream) throw Failure(exit_input, file.string() + ": the " + what + " cannot be read");
+    if (!stream)
+        throw Failure(exit_input, file.string() + ": the " + what + " cannot be read: " + std::strerror(errno));
     std::string text;
     for (char c = 0; text.size() <= max_bytes && stream.get(c);) text.push_back(c);
     if (text.size() > max_bytes)

@@ -1,7 +1,9 @@
 #include "tools/scenario/replay/log.h"
 
+#include <cerrno>
 #include <charconv>
 #include <cstdio>
+#include <cstring>
 #include <fstream>
 #include <optional>
 
@@ -42,7 +44,8 @@ void required_whole(JsonReader& reader, const char* key, Whole& target, uint64_t
 class LogReader {
   public:
     explicit LogReader(const std::filesystem::path& file) : file_(file), stream_(file, std::ios::binary) {
-        if (!stream_) throw Failure(exit_input, file.string() + ": the replay log cannot be read");
+        if (!stream_)
+            throw Failure(exit_input, file.string() + ": the replay log cannot be read: " + std::strerror(errno));
     }
 
     ReplayLog read() {
