@@ -80,18 +80,18 @@ const char* PieceArena::name(size_t arena) {
     return kinds[arena].name;
 }
 
-bool PieceArena::Allocators::allocate(Piece& piece) {
-    const std::optional<uint32_t> vertex = allocate_or_grow(vertices, piece.batch.vertices, max_vertices);
-    const std::optional<uint32_t> index = allocate_or_grow(indices, piece.batch.indices(), max_indices);
+bool PieceArena::Allocators::allocate(Geometry& geometry) {
+    const std::optional<uint32_t> vertex = allocate_or_grow(vertices, geometry.batch.vertices, max_vertices);
+    const std::optional<uint32_t> index = allocate_or_grow(indices, geometry.batch.indices(), max_indices);
     if (!vertex || !index) return false;
-    piece.vertex = *vertex;
-    piece.index = *index;
+    geometry.vertex = *vertex;
+    geometry.index = *index;
     return true;
 }
 
-void PieceArena::Allocators::free(const Piece& piece) {
-    vertices.free(piece.vertex, piece.batch.vertices);
-    indices.free(piece.index, piece.batch.indices());
+void PieceArena::Allocators::free(const Geometry& geometry) {
+    vertices.free(geometry.vertex, geometry.batch.vertices);
+    indices.free(geometry.index, geometry.batch.indices());
 }
 
 // Returns why the device cannot draw pieces of a body; empty if it can.
@@ -102,8 +102,15 @@ std::string PieceArena::fault_of_body(uint32_t body) const {
            + " bodies";
 }
 
-Result<void> PieceArena::check(std::span<const PieceBatch> batches, size_t others) const {
+Result<void> PieceArena::check_count(uint64_t added, size_t others) const {
     const uint64_t storage = device_.limits().maxStorageBufferRange;
+    const uint64_t all = others + added;
+    if (2 * all > storage / sizeof(shared::DrawData) || added > std::numeric_limits<uint32_t>::max() - last_handle_)
+        return Error{Status::invalid_argument, "cannot draw " + std::to_string(all) + " pieces: too many to address"};
+    return {};
+}
+
+Result<void> PieceArena::check(std::span<const PieceBatch> batches, size_t others) const {
     uint64_t added = 0;
     for (const PieceBatch& batch : batches)
         for (const PieceBatch::Piece& piece : batch.pieces()) {
@@ -111,27 +118,24 @@ Result<void> PieceArena::check(std::span<const PieceBatch> batches, size_t other
                 return Error{Status::invalid_argument, "cannot draw piece " + std::to_string(added) + ": " + fault};
             ++added;
         }
-    const uint64_t all = others + added;
-    if (2 * all > storage / sizeof(shared::DrawData) || added > std::numeric_limits<uint32_t>::max() - last_handle_)
-        return Error{Status::invalid_argument, "cannot draw " + std::to_string(all) + " pieces: too many to address"};
-    return {};
+    return check_count(added, others);
 }
 
 Result<std::vector<PieceHandle>> PieceArena::add(std::vector<PieceBatch> batches) {
-    if (Result<void> valid = check(batches, pieces_.size()); !valid) return valid.error();
-    return add(std::move(batches), allocators_, pieces_);
+    if (Result<void> valid = check(batches, contents_.pieces.size()); !valid) return valid.error();
+    return add(std::move(batches), contents_);
 }
 
 Result<std::vector<PieceHandle>> PieceArena::replace_all(PieceBatch batch) {
     if (Result<void> valid = check({&batch, 1}, 0); !valid) return valid.error();
-    Allocators allocators = allocators_;
-    for (const Piece& piece : pieces_) allocators.free(piece);
-    return add({std::move(batch)}, std::move(allocators), {});
+    Contents emptied{{}, {}, contents_.allocators};
+    for (const auto& geometry : contents_.geometries) emptied.allocators.free(*geometry);
+    return add({std::move(batch)}, std::move(emptied));
 }
 
-// Works on copies of the allocators and the list until no step can fail.
-Result<std::vector<PieceHandle>> PieceArena::add(std::vector<PieceBatch> batches, Allocators allocators,
-                                                 std::vector<Piece> pieces) {
+// Works on a copy of the contents until no step can fail.
+Result<std::vector<PieceHandle>> PieceArena::add(std::vector<PieceBatch> batches, Contents contents) {
+    auto& [pieces, geometries, allocators] = contents;
     uint64_t vertices = 0, indices = 0, added = 0;
     for (const PieceBatch& batch : batches) {
         vertices += batch.positions().size();
@@ -143,38 +147,54 @@ Result<std::vector<PieceHandle>> PieceArena::add(std::vector<PieceBatch> batches
     std::vector<PieceHandle> handles;
     handles.reserve(added);
     pieces.reserve(pieces.size() + added);
+    geometries.reserve(geometries.size() + added);
     uint32_t handle = last_handle_;
     for (PieceBatch& batch : batches) {
         const auto source = std::make_shared<const PieceBatch>(std::move(batch));
         for (const PieceBatch::Piece& batch_piece : source->pieces()) {
-            Piece piece{.handle = {++handle},
-                        .batch = batch_piece,
-                        .source = source,
-                        .vertex = 0,
-                        .index = 0,
-                        .opacity = solid};
-            if (!allocators.allocate(piece))
+            const auto geometry = std::make_shared<Geometry>(Geometry{batch_piece, source, 0, 0});
+            if (!allocators.allocate(*geometry))
                 return Error{Status::invalid_argument, "cannot draw more than " + std::to_string(pieces.size())
                                                            + " pieces: their geometry is too large to address"};
-            handles.push_back(piece.handle);
-            pieces.push_back(std::move(piece));
+            handles.push_back({++handle});
+            pieces.push_back({handles.back(), geometry, batch_piece.attachment, solid});
+            geometries.push_back(geometry);
         }
     }
-    needs_corners_ =
-        needs_corners_ || std::ranges::any_of(pieces, [](const Piece& piece) { return piece.batch.has_corners; });
+    needs_corners_ = needs_corners_ || std::ranges::any_of(geometries, [](const auto& geometry) {
+                         return geometry->batch.has_corners;
+                     });
     grow_buffers(allocators);
     pending_ = pending_ || !handles.empty();
-    pieces_ = std::move(pieces);
-    allocators_ = std::move(allocators);
+    contents_ = std::move(contents);
     last_handle_ = handle;
     update_totals();
     return handles;
 }
 
+Result<std::vector<PieceHandle>> PieceArena::copy(std::span<const PieceHandle> handles,
+                                                  const PieceAttachment& attachment) {
+    if (const std::string fault = fault_of_body(attachment.body); !fault.empty())
+        return Error{Status::invalid_argument, "cannot copy pieces: " + fault};
+    if (Result<void> valid = check_count(handles.size(), contents_.pieces.size()); !valid) return valid.error();
+    const Result<std::vector<size_t>> found = find(handles);
+    if (!found) return found.error();
+    std::vector<PieceHandle> copies;
+    std::vector<Piece>& pieces = contents_.pieces;
+    copies.reserve(found->size());
+    pieces.reserve(pieces.size() + found->size());
+    for (const size_t i : *found) {
+        copies.push_back({++last_handle_});
+        pieces.push_back({copies.back(), pieces[i].geometry, attachment, solid});
+    }
+    update_totals();
+    return copies;
+}
+
 void PieceArena::need_corners() {
     if (needs_corners_) return;
     needs_corners_ = true;
-    grow_buffers(allocators_);
+    grow_buffers(contents_.allocators);
 }
 
 // Grows the buffers to the allocators' capacities. This is the last step of add() that may throw.
@@ -207,11 +227,12 @@ Result<std::vector<size_t>> PieceArena::find(std::span<const PieceHandle> handle
     std::vector<size_t> found;
     found.reserve(handles.size());
     for (const PieceHandle handle : handles) {
-        const auto at = std::ranges::lower_bound(pieces_, handle, {}, &Piece::handle);
-        if (at == pieces_.end() || at->handle != handle)
+        const std::vector<Piece>& pieces = contents_.pieces;
+        const auto at = std::ranges::lower_bound(pieces, handle, {}, &Piece::handle);
+        if (at == pieces.end() || at->handle != handle)
             return Error{Status::invalid_argument, "there is no piece with the handle " + std::to_string(handle.number)
                                                        + ": it was removed, or never added"};
-        found.push_back(static_cast<size_t>(at - pieces_.begin()));
+        found.push_back(static_cast<size_t>(at - pieces.begin()));
     }
     return found;
 }
@@ -221,17 +242,22 @@ Result<void> PieceArena::remove(std::span<const PieceHandle> handles) {
     if (!found) return found.error();
     std::ranges::sort(*found);
     found->erase(std::unique(found->begin(), found->end()), found->end());
+    std::vector<Piece>& pieces = contents_.pieces;
     size_t kept = 0, next = 0;
-    for (size_t i = 0; i < pieces_.size(); ++i) {
+    for (size_t i = 0; i < pieces.size(); ++i) {
         if (next < found->size() && (*found)[next] == i) {
-            allocators_.free(pieces_[i]);
             ++next;
             continue;
         }
-        if (kept != i) pieces_[kept] = std::move(pieces_[i]);
+        if (kept != i) pieces[kept] = std::move(pieces[i]);
         ++kept;
     }
-    pieces_.resize(kept);
+    pieces.resize(kept);
+    std::erase_if(contents_.geometries, [&](const std::shared_ptr<Geometry>& geometry) {
+        if (geometry.use_count() > 1) return false; // a piece has it
+        contents_.allocators.free(*geometry);
+        return true;
+    });
     update_totals();
     return {};
 }
@@ -242,7 +268,7 @@ Result<void> PieceArena::fade(std::span<const PieceHandle> handles, float fade) 
     Result<std::vector<size_t>> found = find(handles);
     if (!found) return found.error();
     const auto opacity = static_cast<uint32_t>(std::lround((1.0f - fade) * static_cast<float>(solid)));
-    for (const size_t i : *found) pieces_[i].opacity = opacity;
+    for (const size_t i : *found) contents_.pieces[i].opacity = opacity;
     update_totals();
     return {};
 }
@@ -252,7 +278,7 @@ Result<void> PieceArena::attach(std::span<const PieceHandle> handles, const Piec
         return Error{Status::invalid_argument, "cannot attach pieces: " + fault};
     Result<std::vector<size_t>> found = find(handles);
     if (!found) return found.error();
-    for (const size_t i : *found) pieces_[i].batch.attachment = attachment;
+    for (const size_t i : *found) contents_.pieces[i].attachment = attachment;
     update_totals();
     return {};
 }
@@ -261,10 +287,11 @@ Result<void> PieceArena::attach(std::span<const PieceHandle> handles, const Piec
 void PieceArena::update_totals() {
     bodies_ = draws_ = solid_draws_ = 0;
     triangles_ = 0;
-    for (const Piece& piece : pieces_) {
-        bodies_ = std::max(bodies_, piece.batch.attachment.body + 1);
-        triangles_ += piece.batch.indices() / 3;
-        const uint32_t ranges = (piece.batch.exterior_indices > 0) + (piece.batch.interior_indices > 0);
+    for (const Piece& piece : contents_.pieces) {
+        const PieceBatch::Piece& batch = piece.geometry->batch;
+        bodies_ = std::max(bodies_, piece.attachment.body + 1);
+        triangles_ += batch.indices() / 3;
+        const uint32_t ranges = (batch.exterior_indices > 0) + (batch.interior_indices > 0);
         if (piece.opacity > 0) draws_ += ranges;
         if (piece.opacity == solid) solid_draws_ += ranges;
     }
@@ -274,38 +301,41 @@ void PieceArena::update_totals() {
 void PieceArena::write_piece(const Piece& piece, const DrawLists& lists, DrawCursors& cursors) {
     if (piece.opacity == 0) return;
     uint32_t& next = piece.opacity == solid ? cursors.solid : cursors.fading;
-    const PieceAttachment& attachment = piece.batch.attachment;
+    const PieceAttachment& attachment = piece.attachment;
+    const Geometry& geometry = *piece.geometry;
+    const PieceBatch::Piece& batch = geometry.batch;
     const uint32_t tint = glm::packUnorm4x8(glm::vec4(attachment.tint, 0.0f)) | piece.opacity << 24;
     const uint32_t id = attachment.id == 0 ? piece.handle.number : attachment.id;
     const glm::vec4 offset(attachment.offset, 0.0f);
     const uint32_t surface = std::min(attachment.surface, shared::max_surfaces - 1);
     const auto first_material =
-        piece.batch.has_corners ? static_cast<float>(attachment.first_material + 1) : 0.0f; // exact below 2^24
+        batch.has_corners ? static_cast<float>(attachment.first_material + 1) : 0.0f; // exact below 2^24
     const glm::vec4 object(attachment.centre, first_material);
     const auto add = [&](uint32_t indices, uint32_t first, uint32_t material) {
         if (indices == 0) return;
-        lists.commands[next] = {indices, 1, first, static_cast<int32_t>(piece.vertex), next};
-        lists.data[next] = {attachment.body, 2 * surface + material, tint, id, piece.batch.sphere + offset, offset,
-                            object};
+        lists.commands[next] = {indices, 1, first, static_cast<int32_t>(geometry.vertex), next};
+        lists.data[next] = {attachment.body, 2 * surface + material, tint, id, batch.sphere + offset, offset, object};
         ++next;
     };
-    add(piece.batch.exterior_indices, piece.index, shared::material_exterior);
-    add(piece.batch.interior_indices, piece.index + piece.batch.exterior_indices, shared::material_interior);
+    add(batch.exterior_indices, geometry.index, shared::material_exterior);
+    add(batch.interior_indices, geometry.index + batch.exterior_indices, shared::material_interior);
 }
 
 void PieceArena::write_draws(const DrawLists& lists) const {
     DrawCursors cursors{0, solid_draws_};
-    for (const Piece& piece : pieces_) write_piece(piece, lists, cursors);
+    for (const Piece& piece : contents_.pieces) write_piece(piece, lists, cursors);
 }
 
 void PieceArena::write_draws(const DrawLists& lists, std::span<const BodyPose> poses, const glm::vec3& eye) const {
     // The keys are unique integers: the bits of the squared distance, whose order is that of non-negative floats, and
     // the index in the list.
-    std::vector<uint64_t> order(pieces_.size());
+    const std::vector<Piece>& pieces = contents_.pieces;
+    std::vector<uint64_t> order(pieces.size());
     for (size_t i = 0; i < order.size(); ++i) {
-        const PieceBatch::Piece& piece = pieces_[i].batch;
-        const BodyPose& pose = poses[piece.attachment.body];
-        const glm::vec3 middle = pose.rotation * (pose.scale * (glm::vec3(piece.sphere) + piece.attachment.offset));
+        const PieceAttachment& attachment = pieces[i].attachment;
+        const BodyPose& pose = poses[attachment.body];
+        const glm::vec3 own(pieces[i].geometry->batch.sphere);
+        const glm::vec3 middle = pose.rotation * (pose.scale * (own + attachment.offset));
         const glm::vec3 way = middle + pose.position - eye;
         const float squared = glm::dot(way, way);
         const uint64_t far = std::isnan(squared) ? ~0u : std::bit_cast<uint32_t>(squared);
@@ -313,20 +343,21 @@ void PieceArena::write_draws(const DrawLists& lists, std::span<const BodyPose> p
     }
     std::ranges::sort(order);
     DrawCursors cursors{0, solid_draws_};
-    for (const uint64_t key : order) write_piece(pieces_[key & ~0u], lists, cursors);
+    for (const uint64_t key : order) write_piece(pieces[key & ~0u], lists, cursors);
 }
 
-PieceArena::Slice PieceArena::slice_of(const Piece& piece, size_t arena) {
+PieceArena::Slice PieceArena::slice_of(const Geometry& geometry, size_t arena) {
+    const auto& [batch, source, vertex, index] = geometry;
     const uint64_t element = kinds[arena].element;
     const bool of_indices = arena == index_arena;
-    if (arena == corner_arena && !piece.batch.has_corners) return {.to = 0, .size = 0};
-    Slice slice{.to = element * (of_indices ? piece.index : piece.vertex),
-                .size = element * (of_indices ? piece.batch.indices() : piece.batch.vertices)};
-    if (!piece.source) return slice;
+    if (arena == corner_arena && !batch.has_corners) return {.to = 0, .size = 0};
+    Slice slice{.to = element * (of_indices ? index : vertex),
+                .size = element * (of_indices ? batch.indices() : batch.vertices)};
+    if (!source) return slice;
     const std::array<std::span<const std::byte>, piece_arenas> arrays{
-        std::as_bytes(piece.source->positions()), std::as_bytes(piece.source->normals()),
-        std::as_bytes(piece.source->indices()), std::as_bytes(piece.source->corners())};
-    const uint64_t first = element * (of_indices ? piece.batch.first_index : piece.batch.first_vertex);
+        std::as_bytes(source->positions()), std::as_bytes(source->normals()), std::as_bytes(source->indices()),
+        std::as_bytes(source->corners())};
+    const uint64_t first = element * (of_indices ? batch.first_index : batch.first_vertex);
     slice.bytes = arrays[arena].subspan(first, slice.size);
     for (size_t before = 0; before < arena; ++before) slice.from += arrays[before].size();
     slice.from += first;
@@ -337,12 +368,12 @@ PieceUpload PieceArena::next_upload() const {
     PieceUpload upload;
     if (!pending_) return upload;
     for (size_t i = 0; i < piece_arenas; ++i) {
-        size_t at = 0; // index in upload.staged; the pieces of a batch are consecutive
-        for (const Piece& piece : pieces_) {
-            const Slice slice = slice_of(piece, i);
-            if (!piece.source) {
+        size_t at = 0; // index in upload.staged; the geometries of a batch are consecutive
+        for (const auto& geometry : contents_.geometries) {
+            const Slice slice = slice_of(*geometry, i);
+            if (!geometry->source) {
                 if (old_[i].handle()) append(upload.from_old[i], {slice.to, slice.to, slice.size});
-            } else if (const auto& buffer = piece.source->staged()) {
+            } else if (const auto& buffer = geometry->source->staged()) {
                 at += at < upload.staged.size() && upload.staged[at].buffer != buffer;
                 if (at == upload.staged.size()) upload.staged.push_back({buffer, {}});
                 append(upload.staged[at].copies[i], {slice.from, slice.to, slice.size});
@@ -357,9 +388,9 @@ PieceUpload PieceArena::next_upload() const {
 
 void PieceArena::write_staging(std::byte* staging) const {
     for (size_t i = 0; i < piece_arenas; ++i)
-        for (const Piece& piece : pieces_) {
-            if (!piece.source || piece.source->staged()) continue;
-            const Slice slice = slice_of(piece, i);
+        for (const auto& geometry : contents_.geometries) {
+            if (!geometry->source || geometry->source->staged()) continue;
+            const Slice slice = slice_of(*geometry, i);
             if (slice.bytes.empty()) continue;
             std::memcpy(staging, slice.bytes.data(), slice.bytes.size());
             staging += slice.bytes.size();
@@ -368,11 +399,11 @@ void PieceArena::write_staging(std::byte* staging) const {
 
 void PieceArena::uploaded(std::vector<std::shared_ptr<const DeviceBuffer>>& retired) {
     if (!pending_) return;
-    for (Piece& piece : pieces_) {
-        if (!piece.source) continue;
-        const auto& buffer = piece.source->staged();
+    for (const auto& geometry : contents_.geometries) {
+        if (!geometry->source) continue;
+        const auto& buffer = geometry->source->staged();
         if (buffer && (retired.empty() || retired.back() != buffer)) retired.push_back(buffer);
-        piece.source.reset();
+        geometry->source.reset();
     }
     for (size_t i = 0; i < piece_arenas; ++i) {
         resident_[i] = true;

@@ -4,6 +4,7 @@
 // Pieces are added and removed without waiting for the device. The place of a piece is allocated at once. The next
 // frame copies its geometry in a pass of its own (upload_pass.h), so that the frame graph orders the copy after the
 // frames that still read the old contents. Arenas grow by doubling; the same pass moves their contents.
+// Copies of a piece share its geometry, which keeps its place as long as one of them is there.
 //
 //     arena.add(batches);                                   // any number of changes
 //     PieceUpload upload = arena.next_upload();             // in each frame
@@ -68,11 +69,13 @@ class PieceArena {
     // then change nothing.
     [[nodiscard]] Result<std::vector<PieceHandle>> add(std::vector<PieceBatch> batches);
     [[nodiscard]] Result<std::vector<PieceHandle>> replace_all(PieceBatch batch);
+    [[nodiscard]] Result<std::vector<PieceHandle>> copy(std::span<const PieceHandle> handles,
+                                                        const PieceAttachment& attachment);
     [[nodiscard]] Result<void> remove(std::span<const PieceHandle> handles);
     [[nodiscard]] Result<void> fade(std::span<const PieceHandle> handles, float fade);
     [[nodiscard]] Result<void> attach(std::span<const PieceHandle> handles, const PieceAttachment& attachment);
 
-    [[nodiscard]] uint32_t pieces() const { return static_cast<uint32_t>(pieces_.size()); }
+    [[nodiscard]] uint32_t pieces() const { return static_cast<uint32_t>(contents_.pieces.size()); }
     [[nodiscard]] uint32_t bodies() const { return bodies_; }
     [[nodiscard]] uint32_t draws() const { return draws_; }
     [[nodiscard]] uint32_t solid_draws() const { return solid_draws_; } // the first of draws(); the rest are fading
@@ -106,24 +109,35 @@ class PieceArena {
     void uploaded(std::vector<std::shared_ptr<const DeviceBuffer>>& retired);
 
   private:
+    // The geometry of a piece and of its copies.
+    struct Geometry {
+        PieceBatch::Piece batch;                  // its ranges in the batch
+        std::shared_ptr<const PieceBatch> source; // the batch, until it was uploaded
+        uint32_t vertex, index;                   // its first elements in the arenas
+    };
     struct Piece {
         PieceHandle handle;
-        PieceBatch::Piece batch;                  // its ranges in the batch
-        std::shared_ptr<const PieceBatch> source; // the batch, until the piece was uploaded
-        uint32_t vertex, index;                   // its first elements in the arenas
-        uint32_t opacity;                         // 255: solid; 0: not drawn; between: fading
+        std::shared_ptr<Geometry> geometry;
+        PieceAttachment attachment;
+        uint32_t opacity; // 255: solid; 0: not drawn; between: fading
     };
     struct Allocators {
         RangeAllocator vertices, indices;
 
-        [[nodiscard]] bool allocate(Piece& piece);
-        void free(const Piece& piece);
+        [[nodiscard]] bool allocate(Geometry& geometry);
+        void free(const Geometry& geometry);
+    };
+    // What a change of the pieces makes anew.
+    struct Contents {
+        std::vector<Piece> pieces;                         // by ascending handle
+        std::vector<std::shared_ptr<Geometry>> geometries; // of the pieces, in the order of adding
+        Allocators allocators;
     };
 
     [[nodiscard]] std::string fault_of_body(uint32_t body) const;
+    [[nodiscard]] Result<void> check_count(uint64_t added, size_t others) const;
     [[nodiscard]] Result<void> check(std::span<const PieceBatch> batches, size_t others) const;
-    [[nodiscard]] Result<std::vector<PieceHandle>> add(std::vector<PieceBatch> batches, Allocators allocators,
-                                                       std::vector<Piece> pieces);
+    [[nodiscard]] Result<std::vector<PieceHandle>> add(std::vector<PieceBatch> batches, Contents contents);
     void grow_buffers(const Allocators& allocators);
     [[nodiscard]] Result<std::vector<size_t>> find(std::span<const PieceHandle> handles) const;
     void update_totals();
@@ -131,19 +145,18 @@ class PieceArena {
     struct DrawCursors {
         uint32_t solid, fading;
     };
-    // The bytes of one piece in one arena.
+    // The bytes of one geometry in one arena.
     struct Slice {
         uint64_t to;       // offset in the arena, bytes
         uint64_t size;     // bytes
         uint64_t from = 0; // offset in the concatenated arrays of the batch, bytes; only before the upload
         std::span<const std::byte> bytes{}; // the data in the batch; only before the upload
     };
-    [[nodiscard]] static Slice slice_of(const Piece& piece, size_t arena);
+    [[nodiscard]] static Slice slice_of(const Geometry& geometry, size_t arena);
     static void write_piece(const Piece& piece, const DrawLists& lists, DrawCursors& cursors);
 
     const Device& device_;
-    std::vector<Piece> pieces_; // by ascending handle
-    Allocators allocators_;
+    Contents contents_;
     PieceBuffers buffers_;
     PieceBuffers old_;                          // the buffers before growth, read by submitted frames; may be null
     std::array<bool, piece_arenas> resident_{}; // whether a submitted frame has written buffers_

@@ -83,6 +83,15 @@ void Renderer::stage(PieceBatch& batch) const {
     });
 }
 
+Result<std::vector<PieceHandle>> Renderer::copy_pieces(std::span<const PieceHandle> handles,
+                                                       const PieceAttachment& attachment) {
+    return state_->run([&]() -> Result<std::vector<PieceHandle>> {
+        Result<std::vector<PieceHandle>> copies = state_->pieces.copy(handles, attachment);
+        if (copies) state_->invalidate_shadow_map();
+        return copies;
+    });
+}
+
 Result<void> Renderer::remove_pieces(std::span<const PieceHandle> handles) {
     return state_->run([&]() -> Result<void> {
         Result<void> removed = state_->pieces.remove(handles);

@@ -97,6 +97,11 @@ class Renderer {
     [[nodiscard]] Result<std::vector<PieceHandle>> add_pieces(PieceBatch batch);
     [[nodiscard]] Result<std::vector<PieceHandle>> add_pieces(std::vector<PieceBatch> batches);
     [[nodiscard]] Result<std::vector<PieceHandle>> add_pieces(std::span<const PieceMesh> pieces);
+    // Adds pieces that share the geometry of others on the device, solid, and attaches them. Any of them may be removed
+    // first. Returns handles in the order of `handles`. Fails with invalid_argument on an unknown handle, a body index
+    // or an amount that the device cannot address; then no piece is added.
+    [[nodiscard]] Result<std::vector<PieceHandle>> copy_pieces(std::span<const PieceHandle> handles,
+                                                               const PieceAttachment& attachment);
     // Removes pieces. Fails with invalid_argument on an unknown handle, and then removes none.
     [[nodiscard]] Result<void> remove_pieces(std::span<const PieceHandle> handles);
     // Sets the fade of pieces, from 0 (solid, as added) to 1 (not drawn). Fading is screen-door transparency: pixels

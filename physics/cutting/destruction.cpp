@@ -40,8 +40,9 @@ Result<ObjectId> Destruction::add(World& world, const fracture::TriangleMesh& me
     return add(world, *whole, desc);
 }
 
-Result<ObjectId> Destruction::add(World& world, SolidPtr whole, const BreakableDesc& desc, PayloadPtr payload) {
-    if (!payload && desc.payload) payload = desc.payload(*whole, nullptr);
+Result<ObjectId> Destruction::add(World& world, SolidPtr whole, const BreakableDesc& desc,
+                                  std::optional<PayloadPtr> payload) {
+    if (!payload) payload = desc.payload ? desc.payload(*whole, nullptr) : PayloadPtr();
     const ObjectId id{next_object_};
     objects_.emplace(id, Object{.desc = for_jobs(desc)});
     Live piece{.object = id,
@@ -51,7 +52,7 @@ Result<ObjectId> Destruction::add(World& world, SolidPtr whole, const BreakableD
     const Motion motion{desc.motion.placement, desc.motion.placement, desc.motion.linear_velocity,
                         desc.motion.angular_velocity};
     const Result<PieceId> added =
-        add_piece(world, std::move(piece), std::move(payload), motion, glm::dvec3(0.0), false);
+        add_piece(world, std::move(piece), std::move(*payload), motion, glm::dvec3(0.0), false);
     if (!added) {
         objects_.erase(id);
         return added.error();

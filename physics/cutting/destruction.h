@@ -167,7 +167,7 @@ struct PieceAdded {
     uint32_t depth = 0; // number of cuts between the original object and this piece
     SolidPtr solid;
     PieceId parent{};     // the piece that was cut; none for a piece of the original object
-    PayloadPtr payload{}; // made by BreakableDesc::payload; null without one
+    PayloadPtr payload{}; // made by BreakableDesc::payload; or null
 };
 struct PieceRemoved {
     PieceId id;
@@ -205,9 +205,11 @@ class Destruction {
     explicit Destruction(const DestructionSettings& settings = {});
 
     // Adds a whole object. The first overload makes the solid on this thread and fails as make_solid() does. The second
-    // takes a solid that was made on any thread, with its payload; without a payload, desc.payload makes one here.
+    // takes a solid that was made on any thread, with its payload, which may be null; without it, desc.payload makes one
+    // here.
     Result<ObjectId> add(World& world, const fracture::TriangleMesh& mesh, const BreakableDesc& desc);
-    Result<ObjectId> add(World& world, SolidPtr whole, const BreakableDesc& desc, PayloadPtr payload = {});
+    Result<ObjectId> add(World& world, SolidPtr whole, const BreakableDesc& desc,
+                         std::optional<PayloadPtr> payload = std::nullopt);
     // Adds bonded pieces. Fails as Structure::create() does. `structure` describes the bonds between the pieces,
     // `pieces` how each piece breaks. The parts of a broken piece are anchored by pieces.solid.anchors alone, those of
     // a bonded one only where the piece was anchored. `solids` and `payloads` are results of solids_of() and

@@ -173,13 +173,30 @@ TEST_CASE("batches added together, with bodies and tints assigned later, are dra
     CHECK(f.draw(known.scene).pixels == expected.pixels);
 }
 
-TEST_CASE("after any additions and removals, pictures, ids and counts are those of the remaining pieces") {
+TEST_CASE("after any additions, copies and removals, pictures, ids and counts are those of the remaining pieces") {
     const Fixture changed, fresh;
     if (!changed) return;
     std::mt19937 random(11);
+    constexpr uint32_t shapes = 96, bodies = 3 * shapes; // copies have bodies of their own
     std::vector<Made> all;
-    for (uint32_t i = 0; i < 96; ++i) all.emplace_back(i);
+    for (uint32_t i = 0; i < bodies; ++i) {
+        all.emplace_back(i % shapes);
+        all.back().body = i;
+    }
     std::map<PieceHandle, uint32_t> live; // piece number by handle, hence in the order of adding
+    const auto is_live = [&](uint32_t number) {
+        return std::ranges::any_of(live, [&](const auto& entry) { return entry.second == number; });
+    };
+    const auto copy = [&] {
+        if (live.empty()) return;
+        const auto [handle, number] = *std::next(live.begin(), random() % live.size());
+        const uint32_t other = number % shapes + (1 + random() % 2) * shapes;
+        if (is_live(other)) return;
+        const auto copies = changed.renderer->copy_pieces({&handle, 1}, {.body = other, .tint = piece_tint(other)});
+        REQUIRE(copies);
+        REQUIRE(copies->size() == 1);
+        live[copies->front()] = other;
+    };
     const auto remove = [&](uint32_t count) {
         std::vector<PieceHandle> gone;
         while (gone.size() < std::min<size_t>(count, live.size())) {
@@ -192,6 +209,10 @@ TEST_CASE("after any additions and removals, pictures, ids and counts are those 
     Scene scene = empty_stage();
     scene.ground = true;
     scene.ground_height = -0.8f;
+    scene.write_poses = [](std::span<BodyPose> poses, uint64_t) {
+        for (size_t body = 0; body < poses.size(); ++body)
+            poses[body] = {.position = glm::vec3(0.05f, 0.04f, 0.1f) * static_cast<float>(body / shapes)};
+    };
     for (int round = 0; round < 120; ++round) {
         // Several changes between two frames; some remove pieces that no frame has drawn yet.
         for (uint32_t change = random() % 4; change > 0; --change) {
@@ -200,13 +221,14 @@ TEST_CASE("after any additions and removals, pictures, ids and counts are those 
                 live.clear();
             } else if (random() % 2 == 0) {
                 remove(random() % 20);
+            } else if (random() % 3 == 0) {
+                for (uint32_t n = random() % 20; n > 0; --n) copy();
             } else {
                 std::vector<uint32_t> numbers;
                 std::vector<PieceMesh> meshes;
                 for (uint32_t n = random() % 30; n > 0; --n) {
-                    const uint32_t number = random() % all.size();
-                    const auto is = [&](const auto& entry) { return entry.second == number; };
-                    if (std::ranges::any_of(live, is) || std::ranges::count(numbers, number)) continue;
+                    const uint32_t number = random() % shapes;
+                    if (is_live(number) || std::ranges::count(numbers, number)) continue;
                     numbers.push_back(number);
                     meshes.push_back(all[number].mesh());
                 }
@@ -269,6 +291,69 @@ TEST_CASE("ten thousand pieces added and removed in turn need no more memory tha
     }
     CHECK(f.faults.count(Call::allocate) == allocations);
     CHECK(f.renderer->stats().pieces <= 32);
+}
+
+TEST_CASE("copies of a piece share its geometry, whichever is removed first, and are refused like pieces") {
+    Fixture f;
+    if (!f) return;
+    const Shape ball = icosphere(0.3f, 4);
+    const PieceMesh mesh = ball.piece(0);
+    std::vector<PieceHandle> handles = add(f, {&mesh, 1});
+    (void)f.draw(empty_stage());
+    const uint32_t before = f.faults.count(Call::allocate);
+    for (uint32_t body = 1; body < 100; ++body) { // far more geometry than the arenas hold
+        const auto copies = f.renderer->copy_pieces({&handles.back(), 1}, {.body = body});
+        REQUIRE(copies);
+        handles.push_back(copies->front());
+    }
+    const Bitmap picture = f.draw(empty_stage());
+    CHECK(f.renderer->stats().pieces == 100);
+    CHECK(f.renderer->stats().triangles == 100 * ball.triangles.size());
+    REQUIRE(f.renderer->remove_pieces(std::span(handles).first(99))); // the one that was added among them
+    CHECK(f.draw(empty_stage()).pixels == picture.pixels);
+    REQUIRE(f.renderer->copy_pieces(std::span(handles).last(1), {}));
+    CHECK(f.renderer->stats().pieces == 1); // of the last frame
+    (void)f.draw(empty_stage());
+    CHECK(f.renderer->stats().pieces == 2);
+    // The draw lists of a hundred pieces and their poses are all that needed memory.
+    CHECK(f.faults.count(Call::allocate) <= before + 8);
+
+    CHECK_FALSE(f.renderer->copy_pieces(std::span(handles).first(1), {})); // it is gone
+    const PieceHandle two[] = {handles.back(), {}};
+    CHECK_FALSE(f.renderer->copy_pieces(two, {}));
+    CHECK_FALSE(f.renderer->copy_pieces({two, 1}, {.body = std::numeric_limits<uint32_t>::max()}));
+    CHECK(f.renderer->copy_pieces({}, {})->empty());
+    (void)f.draw(empty_stage());
+    CHECK(f.renderer->stats().pieces == 2);
+}
+
+TEST_CASE("a row of copies, and its shadow, look like a row of pieces with geometry of their own") {
+    const Fixture copied, added;
+    if (!copied) return;
+    Scene scene = empty_stage();
+    scene.ground = true;
+    scene.ground_height = -0.5f;
+    scene.write_poses = [](std::span<BodyPose> poses, uint64_t) {
+        for (size_t body = 0; body < poses.size(); ++body)
+            poses[body] = {
+                .position = {0.3f * static_cast<float>(body) - 1.0f, 0.0f, -0.2f * static_cast<float>(body)}};
+    };
+    for (const uint32_t interior : {0u, 3u, 6u}) { // one range a piece, or two
+        CAPTURE(interior);
+        const Shape block = box(glm::vec3(0.1f), interior);
+        std::vector<PieceMesh> meshes;
+        for (uint32_t body = 0; body < 8; ++body) meshes.push_back(block.piece(body, piece_tint(body)));
+        REQUIRE(added.renderer->set_pieces(meshes));
+        const auto first = copied.renderer->set_pieces({meshes.data(), 1});
+        REQUIRE(first);
+        for (uint32_t body = 1; body < 8; ++body)
+            REQUIRE(copied.renderer->copy_pieces(*first, {.body = body, .tint = piece_tint(body)}));
+        CHECK(copied.draw(scene).pixels == added.draw(scene).pixels);
+        CHECK(copied.renderer->stats().draws == added.renderer->stats().draws);
+        (void)copied.draw(scene); // pieces in view are those of an earlier frame
+        (void)added.draw(scene);
+        CHECK(copied.renderer->stats().pieces_in_view == added.renderer->stats().pieces_in_view);
+    }
 }
 
 TEST_CASE("a frame that uploads pieces needs no memory beyond that of the frames around it") {

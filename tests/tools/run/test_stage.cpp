@@ -7,12 +7,17 @@
 #include "fracture/shapes/shapes.h"
 #include "physics/cutting/destruction.h"
 #include "tests/engine/support.h"
+#include "tests/folder.h"
 #include "tools/brittle/base/device_failure.h"
+#include "tools/brittle/stage/loading.h"
 #include "tools/brittle/stage/stage.h"
 #include "tools/scenario/base/failure.h"
+#include "tools/scenario/recipe/recipe.h"
+#include "tools/scenario/run/scene.h"
 
 using namespace brittle;
 using namespace brittle::tools;
+using brittle::test_files::Folder;
 
 namespace {
 
@@ -167,4 +172,58 @@ TEST_CASE("stage: a large piece in parts looks like the whole, however many blow
         }
         CHECK(breaks >= 2);
     }
+}
+
+TEST_CASE("stage: copies of an object share its geometry, and look as if each had its own, whole, hidden and broken") {
+    const Theatre theatre(true), other(true);
+    if (!theatre.device) return;
+    const Folder folder;
+    FractureOptions options;
+    read_recipe(folder.write("copies.json", R"({"brittle": 2, "objects": [
+        {"name": "a", "mesh": "shape:statue", "material": "stone"},
+        {"name": "step", "mesh": "shape:cube", "scale": [1, 0.1, 1], "translation": [0, 0, 2], "fixed": true},
+        {"name": "b", "mesh": "shape:statue", "material": "stone", "translation": [1.2, 0, 0.4], "rotation": [0, 40, 0]},
+        {"name": "c", "mesh": "shape:statue", "material": "stone", "translation": [2.4, 0, 0.8]},
+        {"name": "vase", "mesh": "shape:vase", "material": "ceramic", "translation": [1, 0, 1.5]},
+        {"name": "another step", "mesh": "shape:cube", "scale": [1, 0.1, 1], "translation": [3, 0, 2], "fixed": true},
+        {"name": "another vase", "mesh": "shape:vase", "material": "ceramic", "translation": [3, 0, 1.5]}],
+        "world": {"shots": [{"time": 0.05, "from": [1.2, 1.2, 4], "velocity": [0, 0, -25], "radius": 0.15},
+                            {"time": 0.2, "from": [3, 0.3, 4], "velocity": [0, 0, -15], "radius": 0.1}]}})"),
+                options);
+    LoadedScene scene = load_scene(options, drawing_host());
+    const DrawingMaker maker = payload_maker(*theatre.renderer), others_maker = payload_maker(*other.renderer);
+    std::vector<PreparedObject> sharing = prepare_scene(scene, drawing_host(), maker), own;
+    size_t payloads = 0;
+    for (const PreparedObject& object : sharing) {
+        own.push_back(copy_of(object, others_maker));
+        own.back().placement = object.placement;
+        for (const physics::PayloadPtr& payload : object.bodies.payloads) payloads += payload ? 1 : 0;
+    }
+    CHECK(payloads == 3); // a statue, a step and a vase
+    // Without any payload, the stage makes one for each solid.
+    std::vector<PreparedObject> bare;
+    for (const PreparedObject& object : sharing) {
+        bare.push_back(copy_of(object));
+        bare.back().placement = object.placement;
+    }
+    Stage unprepared(*other.renderer, scene.home);
+    unprepared.stand(std::move(bare), scene.world);
+    const engine::Bitmap made_here = other.draw(unprepared);
+    Stage stage(*theatre.renderer, scene.home), expected(*other.renderer, scene.home);
+    stage.stand(std::move(sharing), scene.world);
+    expected.stand(std::move(own), scene.world);
+    CHECK(theatre.draw(stage).pixels == other.draw(expected).pixels);
+    CHECK(theatre.draw(stage).pixels == made_here.pixels);
+    stage.hide({true, false, true, false, false, false, false}); // one that others share, and a copy
+    expected.hide({true, false, true, false, false, false, false});
+    CHECK(theatre.draw(stage).pixels == other.draw(expected).pixels);
+    stage.hide({});
+    expected.hide({});
+    for (int frame = 0; frame < 40; ++frame) {
+        stage.advance(1.0 / 60.0);
+        expected.advance(1.0 / 60.0);
+        if (frame % 4 == 3) REQUIRE(theatre.draw(stage).pixels == other.draw(expected).pixels);
+    }
+    CHECK(stage.simulation().destruction()->statistics().breaks >= 2); // a statue that is a copy, and a vase
+    CHECK(stage.simulation().state_hash() == expected.simulation().state_hash());
 }

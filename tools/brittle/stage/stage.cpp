@@ -254,15 +254,20 @@ glm::vec3 Stage::tint_of(const physics::PieceAdded& added, std::span<const physi
     return added.depth == 0 && untinted_ ? glm::vec3(1.0f) : engine::piece_tint(added.id.value);
 }
 
-// Attaches the parts of removed pieces that a new piece keeps, and adds the new parts to `fresh`. A part that no removed
-// piece has, because its piece came and went between two calls, is drawn here.
-void Stage::draw(const physics::PieceAdded& added, const glm::vec3& tint, PartPool& left, FreshParts& fresh) {
-    auto& drawing = static_cast<PieceDrawing&>(*added.payload);
+engine::PieceAttachment Stage::attachment_for(const physics::PieceAdded& added) const {
+    const glm::vec3& tint = drawn_.at(added.id).tint;
     engine::PieceAttachment attachment = attachment_of(*added.solid, added.slot, tint, added.id);
     const uint32_t member = simulation_.member_of(added.object);
     if (!surface_of_.empty()) attachment.surface = surface_of_[member];
     attachment.first_material = first_materials_[member];
-    Drawn& drawn = drawn_[added.id] = {{}, tint, added.object};
+    return attachment;
+}
+
+// Attaches the parts of removed pieces that a new piece keeps, and adds the new parts to `fresh`. A part that no removed
+// piece has, because its piece came and went between two calls, is drawn here.
+void Stage::draw(const physics::PieceAdded& added, PieceDrawing& drawing, PartPool& left, FreshParts& fresh) {
+    const engine::PieceAttachment attachment = attachment_for(added);
+    Drawn& drawn = drawn_.at(added.id);
     std::vector<engine::PieceHandle> kept;
     std::vector<fracture::ClusterBranch> missing;
     for (const fracture::ClusterBranch& branch : drawing.kept) {
@@ -280,8 +285,40 @@ void Stage::draw(const physics::PieceAdded& added, const glm::vec3& tint, PartPo
             fresh.owners.emplace_back(added.id, branches.empty() ? std::nullopt : std::optional(branches[k]));
         fresh.batches.push_back(std::move(batch));
     };
-    if (!missing.empty()) add(draw_branches(*added.solid, missing, looks_[member].get()), missing);
+    const MeshLooks* const looks = looks_[simulation_.member_of(added.object)].get();
+    if (!missing.empty()) add(draw_branches(*added.solid, missing, looks), missing);
     add(std::move(drawing.batch), drawing.made);
+}
+
+// Draws a new piece. One without a payload is a copy (copy_of() in prepared_object.h): it has the geometry of a piece of
+// the same solid, if there is one.
+void Stage::draw(physics::PieceAdded& added, PartPool& left, FreshParts& fresh, Alike& alike) {
+    if (!added.payload && alike.originals.contains(added.solid.get())) {
+        alike.copies.push_back(&added);
+        return;
+    }
+    if (!added.payload)
+        added.payload = draw_piece(*added.solid, nullptr, looks_[simulation_.member_of(added.object)].get());
+    if (added.parent == physics::PieceId{}) alike.originals.emplace(added.solid.get(), added.id);
+    auto& drawing = static_cast<PieceDrawing&>(*added.payload);
+    draw(added, drawing, left, fresh);
+    particles_.cut(simulation_, added, drawing.cracks);
+}
+
+void Stage::draw_copies(const Alike& alike) {
+    for (const physics::PieceAdded* const added : alike.copies) {
+        const std::vector<Part>& parts = drawn_.at(alike.originals.at(added->solid.get())).parts;
+        std::vector<engine::PieceHandle> handles;
+        for (const Part& part : parts) handles.push_back(part.handle);
+        const std::vector<engine::PieceHandle> copies = must(renderer_.copy_pieces(handles, attachment_for(*added)));
+        for (size_t k = 0; k < copies.size(); ++k) show(drawn_.at(added->id), parts[k].branch, copies[k]);
+    }
+}
+
+// Notes a part that the renderer draws for a piece.
+void Stage::show(Drawn& drawn, const std::optional<fracture::ClusterBranch>& branch, engine::PieceHandle handle) {
+    drawn.parts.push_back({branch, handle});
+    if (is_hidden(drawn.object)) must(renderer_.fade_pieces({&handle, 1}, 1.0f));
 }
 
 // Draws the pieces that appeared, and removes the pieces that disappeared, since the last call. Removal comes first,
@@ -303,11 +340,12 @@ void Stage::take_events() {
         drawn_.erase(at);
     }
     FreshParts fresh;
-    for (const physics::PieceAdded& added : events.added) {
-        draw(added, tint_of(added, events.added, before), left, fresh);
+    Alike alike;
+    for (physics::PieceAdded& added : events.added) {
+        drawn_[added.id] = {{}, tint_of(added, events.added, before), added.object};
+        draw(added, left, fresh, alike);
         radii_.resize(std::max<size_t>(radii_.size(), added.slot + size_t{1}), 0.0f);
         radii_[added.slot] = added.solid->radius;
-        particles_.cut(simulation_, added, static_cast<const PieceDrawing&>(*added.payload).cracks);
         members_.resize(radii_.size(), 0);
         members_[added.slot] = simulation_.member_of(added.object);
     }
@@ -316,10 +354,9 @@ void Stage::take_events() {
     const std::vector<engine::PieceHandle> handles = must(renderer_.add_pieces(std::move(fresh.batches)));
     for (size_t k = 0; k < handles.size(); ++k) {
         const auto& [piece, branch] = fresh.owners[k];
-        Drawn& drawn = drawn_.at(piece);
-        drawn.parts.push_back({branch, handles[k]});
-        if (is_hidden(drawn.object)) must(renderer_.fade_pieces({&handles[k], 1}, 1.0f));
+        show(drawn_.at(piece), branch, handles[k]);
     }
+    draw_copies(alike);
     for (const physics::PieceFading& fading : events.fading) {
         std::vector<engine::PieceHandle> parts;
         for (const Part& part : drawn_.at(fading.id).parts) parts.push_back(part.handle);

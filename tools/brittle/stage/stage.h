@@ -121,6 +121,11 @@ class Stage {
         std::optional<fracture::ClusterBranch> branch;
         engine::PieceHandle handle;
     };
+    struct Drawn {
+        std::vector<Part> parts;
+        glm::vec3 tint;
+        physics::ObjectId object;
+    };
     // By object and ClusterBranch::key(): objects of one mesh share clusters.
     using PartPool = std::map<std::pair<physics::ObjectId, const void*>, Part>;
     // Parts that are to be added.
@@ -128,7 +133,16 @@ class Stage {
         std::vector<engine::PieceBatch> batches;
         std::vector<std::pair<physics::PieceId, std::optional<fracture::ClusterBranch>>> owners; // by part
     };
-    void draw(const physics::PieceAdded& added, const glm::vec3& tint, PartPool& left, FreshParts& fresh);
+    // Whole pieces that appear together: the first of each solid, and those that have its geometry.
+    struct Alike {
+        std::map<const physics::SolidPiece*, physics::PieceId> originals;
+        std::vector<const physics::PieceAdded*> copies;
+    };
+    [[nodiscard]] engine::PieceAttachment attachment_for(const physics::PieceAdded& added) const;
+    void draw(const physics::PieceAdded& added, PieceDrawing& drawing, PartPool& left, FreshParts& fresh);
+    void draw(physics::PieceAdded& added, PartPool& left, FreshParts& fresh, Alike& alike);
+    void draw_copies(const Alike& alike);
+    void show(Drawn& drawn, const std::optional<fracture::ClusterBranch>& branch, engine::PieceHandle handle);
     void pass_view();
     [[nodiscard]] glm::vec3 tint_of(const physics::PieceAdded& added, std::span<const physics::PieceAdded> all,
                                     const std::map<physics::PieceId, glm::vec3>& before) const;
@@ -142,13 +156,8 @@ class Stage {
     engine::Renderer& renderer_;
     Simulation simulation_;
     engine::Bounds home_;
-    std::vector<float> radii_;      // by slot: radius of the piece around its centre of mass
-    std::vector<uint32_t> members_; // by slot: the object of the simulation, in a breakable world
-    struct Drawn {
-        std::vector<Part> parts;
-        glm::vec3 tint;
-        physics::ObjectId object;
-    };
+    std::vector<float> radii_;                            // by slot: radius of the piece around its centre of mass
+    std::vector<uint32_t> members_;                       // by slot: the object of the simulation, in a breakable world
     std::map<physics::PieceId, Drawn> drawn_;             // pieces of a breakable world
     std::vector<engine::SurfaceLook> surfaces_;           // of the scene
     std::vector<uint32_t> surface_of_;                    // by object of the simulation: PieceAttachment::surface

@@ -73,8 +73,10 @@ using DrawingMaker = std::function<physics::PayloadPtr(const physics::SolidPiece
 
 // Makes the bodies. `payload` must be the simulation's. threads: 0 is one a core. Throws a Failure.
 void prepare(PreparedObject& object, const DrawingMaker& payload = {}, uint32_t threads = 0);
-// Returns an object with the fragments and solids of one that is breakable, rigid or fixed, and with payloads of its own.
-[[nodiscard]] PreparedObject copy_of(const PreparedObject& object, const DrawingMaker& payload, uint32_t threads = 0);
+// Returns an object with the fragments and solids of one that is breakable, rigid or fixed. Its payloads are its own;
+// they are null without `payload`, for a stage that draws it like the other one.
+[[nodiscard]] PreparedObject copy_of(const PreparedObject& object, const DrawingMaker& payload = {},
+                                     uint32_t threads = 0);
 
 // Hash of the pieces of all objects, and of the surfaces of fixed ones: fracture::hash() for one object.
 [[nodiscard]] uint64_t pieces_hash(std::span<const PreparedObject> objects);

@@ -319,12 +319,12 @@ void prepare_or_fix(LoadedObject& loaded, const DrawingMaker& payload, uint32_t 
     }
 }
 
-void copy_prepared(const PreparedObject& like, LoadedObject& loaded, const DrawingMaker& payload, Work& work) {
+void copy_prepared(const PreparedObject& like, LoadedObject& loaded, Work& work) {
     if (like.fixed() && !loaded.object.fixed) {
         work.fault = "as " + like.name;
         fix(loaded.object);
     }
-    PreparedObject& copy = work.made.emplace(copy_of(like, payload, 1));
+    PreparedObject& copy = work.made.emplace(copy_of(like));
     copy.name = loaded.object.name;
     copy.placement = loaded.placement;
     copy.world.seed = loaded.object.recipe.pattern.seed;
@@ -401,10 +401,10 @@ std::vector<PreparedObject> prepare_scene(LoadedScene& scene, const Host& host, 
     });
     if (cache) {
         for (const size_t k : originals)
-            if (!known[k]) cache->prepared.add(keys[k], {copy_of(*work[k].made, {}, 1), work[k].fault});
+            if (!known[k]) cache->prepared.add(keys[k], {copy_of(*work[k].made), work[k].fault});
         cache->prepared.end_round();
     }
-    for_each(copies, [&](size_t k) { copy_prepared(*work[work[k].like].made, scene.objects[k], payload, work[k]); });
+    for_each(copies, [&](size_t k) { copy_prepared(*work[work[k].like].made, scene.objects[k], work[k]); });
     std::vector<PreparedObject> objects;
     for (size_t k = 0; k < work.size(); ++k) {
         if (!work[k].fault.empty()) scene.notes.push_back(note_of(scene.objects[k].object, work[k].fault));
