@@ -43,11 +43,12 @@ class Hull {
     struct Face {
         std::array<uint32_t, 3> corners;
         std::array<uint32_t, 3> across{none, none, none}; // by edge, from corners[k] to the next corner: the other face
+        glm::dvec3 corner{0.0};                           // the first
         glm::dvec3 normal{0.0};                           // of the length of twice the area
-        double error = 0.0;                               // bounds the error of height(), for each unit of distance
+        double error = 0.0;                               // bounds the error of a height, for each unit of distance
         uint32_t outside = none;                          // the first point that is listed as outside it; see next_
         uint32_t farthest = none;                         // of these
-        double reach = 0.0;                               // height of the farthest one
+        double reach = 0.0;                               // height of the farthest one, with the length of the normal
         bool gone = false;
     };
 
@@ -143,7 +144,7 @@ class Hull {
             for (uint32_t edge = 0; edge < 3; ++edge) {
                 const uint32_t other = faces_[face].across[edge];
                 if (faces_[other].gone) continue;
-                if (is_outside(faces_[other], points_[apex])) {
+                if (double height = 0.0; is_outside(faces_[other], points_[apex], height)) {
                     faces_[other].gone = true;
                     seen_.push_back(other);
                 }
@@ -158,12 +159,13 @@ class Hull {
     void list(uint32_t point, uint32_t first) {
         for (uint32_t f = first; f < faces_.size(); ++f) {
             Face& face = faces_[f];
-            if (!is_outside(face, points_[point])) continue;
+            double height = 0.0;
+            if (!is_outside(face, points_[point], height)) continue;
             next_[point] = face.outside;
             face.outside = point;
-            if (const double own = height(face, points_[point]); face.farthest == none || own > face.reach) {
+            if (face.farthest == none || height > face.reach) {
                 face.farthest = point;
-                face.reach = own;
+                face.reach = height;
             }
             return;
         }
@@ -176,19 +178,17 @@ class Hull {
             return std::max({std::abs(e.x), std::abs(e.y), std::abs(e.z)});
         };
         // With u = 2^-53 and L the product of the largest components of both edges, a component of the normal is at
-        // most 2L and carries 8u L; the dot product in height() carries 4u of its terms. Together 16u L.
-        return {.corners = corners, .normal = glm::cross(u, v), .error = 0x40.0p-53 * largest(u) * largest(v)};
+        // most 2L and carries 8u L; the dot product of a height carries 4u of its terms. Together 16u L.
+        return {
+            .corners = corners, .corner = a, .normal = glm::cross(u, v), .error = 0x40.0p-53 * largest(u) * largest(v)};
     }
 
-    [[nodiscard]] double height(const Face& face, const glm::dvec3& p) const {
-        return glm::dot(face.normal, p - points_[face.corners[0]]);
-    }
-
-    [[nodiscard]] bool is_outside(const Face& face, const glm::dvec3& p) const {
-        const glm::dvec3 d = p - points_[face.corners[0]];
-        const double value = glm::dot(face.normal, d);
-        if (std::abs(value) > face.error * (std::abs(d.x) + std::abs(d.y) + std::abs(d.z))) return value > 0.0;
-        return orientation(points_[face.corners[0]], points_[face.corners[1]], points_[face.corners[2]], p) < 0;
+    // Sets `height` to the rounded height above the plane of the face, in units of the normal's length.
+    [[nodiscard]] bool is_outside(const Face& face, const glm::dvec3& p, double& height) const {
+        const glm::dvec3 d = p - face.corner;
+        height = glm::dot(face.normal, d);
+        if (std::abs(height) > face.error * (std::abs(d.x) + std::abs(d.y) + std::abs(d.z))) return height > 0.0;
+        return orientation(face.corner, points_[face.corners[1]], points_[face.corners[2]], p) < 0;
     }
 
     [[nodiscard]] TriangleMesh surface() const {

@@ -60,15 +60,23 @@ Part part_of(std::span<const glm::dvec3> positions, double volume) {
 std::array<glm::dvec3, 2> two_sites(const TriangleMesh& mesh) {
     const std::vector<glm::dvec3> ends = spread_points(mesh.positions, 2, std::array{middle_of(mesh.positions)});
     if (ends.size() < 2) return {};
+    struct Mass {
+        glm::dvec3 centre;
+        double area; // twice
+    };
+    std::vector<Mass> masses; // of the triangles
+    masses.reserve(mesh.triangles.size());
+    for (const Triangle& t : mesh.triangles) {
+        const glm::dvec3 &a = mesh.positions[t.x], &b = mesh.positions[t.y], &c = mesh.positions[t.z];
+        masses.push_back({(a + b + c) / 3.0, glm::length(glm::cross(b - a, c - a))});
+    }
     std::array<glm::dvec3, 2> sites{ends[0], ends[1]};
     for (int round = 0; round < settling_rounds; ++round) {
         std::array<glm::dvec3, 2> sum{glm::dvec3(0.0), glm::dvec3(0.0)};
         std::array<double, 2> weight{};
-        for (const Triangle& t : mesh.triangles) {
-            const glm::dvec3 &a = mesh.positions[t.x], &b = mesh.positions[t.y], &c = mesh.positions[t.z];
-            const glm::dvec3 centre = (a + b + c) / 3.0, to_first = centre - sites[0], to_second = centre - sites[1];
+        for (const auto& [centre, area] : masses) {
+            const glm::dvec3 to_first = centre - sites[0], to_second = centre - sites[1];
             const size_t nearer = glm::dot(to_first, to_first) <= glm::dot(to_second, to_second) ? 0 : 1;
-            const double area = glm::length(glm::cross(b - a, c - a));
             sum[nearer] += area * centre;
             weight[nearer] += area;
         }
