@@ -162,10 +162,17 @@ void run(benchmark::State& state, const Case& which) {
 } // namespace
 
 void add_blow_benchmarks() {
-    std::vector<Case> cases{{"ball_82k", ball<6>, 0.1, 0.0},        {"ball_328k", ball<7>, 0.1, 0.0},
-                            {"ball_1311k", ball<8>, 0.1, 0.0},      {"ball_5243k", ball<9>, 0.1, 0.0},
-                            {"ball_20972k", ball<10>, 0.1, 0.0},    {"ball_328k/small", ball<7>, 0.03, 0.0},
-                            {"ball_328k/large", ball<7>, 0.2, 0.0}, {"ball_328k/rough", ball<7>, 0.1, 0.5}};
+    std::vector<Case> cases{{"ball_82k", ball<6>, 0.1, 0.0},
+                            {"ball_328k", ball<7>, 0.1, 0.0},
+                            {"ball_1311k", ball<8>, 0.1, 0.0},
+                            {"ball_5243k", ball<9>, 0.1, 0.0},
+                            {"ball_20972k", ball<10>, 0.1, 0.0},
+                            {"ball_328k/small", ball<7>, 0.03, 0.0},
+                            {"ball_328k/large", ball<7>, 0.2, 0.0},
+                            {"ball_328k/rough", ball<7>, 0.1, 0.5},
+                            {"ball_328k/as_many", ball<7>, 0.1 / 2, 0.0},
+                            {"ball_1311k/as_many", ball<8>, 0.1 / 4, 0.0},
+                            {"ball_5243k/as_many", ball<9>, 0.1 / 8, 0.0}};
     if (std::ifstream(bunny_file).good()) {
         cases.insert(cases.begin(), {"bunny/rough", bunny, 0.1, 0.5});
         cases.insert(cases.begin(), {"bunny", bunny, 0.1, 0.0});

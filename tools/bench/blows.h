@@ -10,6 +10,7 @@ namespace brittle::tools {
 //                        the whole mesh, up to 2 million triangles; `prepare`, the hulls, masses and clusters of
 //                        the whole object (made once). ball_20972k takes 12 GB of memory
 // blow/MESH/small, /large, /rough  a radius of 3 or of 20 hundredths of the size; rough cuts
+// blow/MESH/as_many      a radius that holds as many triangles as that of ball_82k
 void add_blow_benchmarks();
 
 } // namespace brittle::tools
