@@ -59,6 +59,7 @@ TEST_CASE("profile measures the starts of a scene and its frames, standing and p
     INFO(alone.output);
     REQUIRE(alone.exit_code == 0);
     const auto without = nlohmann::json::parse(alone.output);
+    CHECK(without["scenarios"][0]["recipe"]["objects"].size() == 3);
     CHECK_FALSE(without["environment"].contains("device"));
     CHECK_FALSE(without["scenarios"][0].contains("frames"));
 
@@ -103,6 +104,12 @@ TEST_CASE("profile measures the starts of a scene and its frames, standing and p
         row = {{"min", 1e-4}, {"median", 1e-4}, {"samples", 9}};
     write_text(folder / "old.json", fast.dump());
     CHECK(run_brittle(folder, again).exit_code == 7);
+    const Outcome idle =
+        run_brittle(folder, "profile " + (folder / "two.json") + " --material glass --frames 0 --repeats 1"
+                                + " --save-recipe " + (folder / "saved.json"));
+    CHECK(idle.exit_code == 0);
+    CHECK(idle.has("--material and --pieces, have no effect on a scene"));
+    CHECK(read_text(folder / "saved.json").find("\"pane\"") != std::string::npos);
     const Outcome listed = run_brittle(folder, "profile " + (folder / "two.json") + " --counts 3,4");
     CHECK(listed.exit_code == 2);
     CHECK(listed.has("a scene is measured as it is"));

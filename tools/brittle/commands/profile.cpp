@@ -9,6 +9,7 @@
 #include "tools/brittle/base/console.h"
 #include "tools/brittle/base/interrupt.h"
 #include "tools/brittle/commands/commands.h"
+#include "tools/brittle/commands/report.h"
 #include "tools/brittle/profile/compare.h"
 #include "tools/brittle/profile/csv.h"
 #include "tools/brittle/profile/measure.h"
@@ -63,6 +64,7 @@ Json trace_metadata(const Json& profile) {
 int run_profile(const ProfileCommand& command) {
     catch_interrupts();
     const std::vector<Scenario> scenarios = make_scenarios(command.plan, command.lists, command.fracture);
+    if (is_scene(command.fracture)) print_idle_note(command.fracture);
     std::optional<Json> before;
     if (!command.compare.empty()) before = read_profile(command.compare);
 

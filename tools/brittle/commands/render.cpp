@@ -184,23 +184,7 @@ void check_scene_options(const RenderCommand& command) {
         {picture.whole, "whole"}, {picture.planes > 0, "planes"}, {picture.sites, "sites"}, {picture.cells, "cells"}};
     for (const auto& [given, name] : of_one_mesh)
         if (given) throw Failure(exit_usage, std::string("a scene of several objects has no picture of ") + name);
-    FractureOptions rest = command.fracture, plain;
-    rest.level = {};
-    rest.objects.clear();
-    for (FractureOptions* options : {&rest, &plain}) {
-        options->units = {};
-        options->picture = {};
-        options->exports = {};
-        WorldOptions& world = options->world;
-        world.engine = {};
-        world.air_density = 0.0;
-        world.max_colliding = world.piece_limit = 0;
-        world.shots.clear();
-        world.joints.clear();
-    }
-    if (recipe_json(rest) != recipe_json(plain))
-        tell("options of one mesh, such as --material and --pieces, have no effect on a scene; its recipe has them for "
-             "each object");
+    print_idle_note(command.fracture);
 }
 
 // Loads a scene, puts it on a stage and draws it.

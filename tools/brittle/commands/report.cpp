@@ -9,6 +9,7 @@
 #include "fracture/io/certificate_json.h"
 #include "tools/brittle/base/console.h"
 #include "tools/scenario/recipe/json_reader.h"
+#include "tools/scenario/recipe/recipe.h"
 
 namespace brittle::tools {
 
@@ -84,6 +85,26 @@ std::string report_json(const Input& input, const Broken& broken, const std::str
     report["milliseconds"] = milliseconds;
     report["recipe"] = nlohmann::ordered_json::parse(recipe);
     return text_of(report, 2) + "\n";
+}
+
+void print_idle_note(const FractureOptions& scene) {
+    FractureOptions rest = scene, plain;
+    rest.level = {};
+    rest.objects.clear();
+    for (FractureOptions* options : {&rest, &plain}) {
+        options->units = {};
+        options->picture = {};
+        options->exports = {};
+        WorldOptions& world = options->world;
+        world.engine = {};
+        world.air_density = 0.0;
+        world.max_colliding = world.piece_limit = 0;
+        world.shots.clear();
+        world.joints.clear();
+    }
+    if (recipe_json(rest) != recipe_json(plain))
+        tell("options of one mesh, such as --material and --pieces, have no effect on a scene; its recipe has them for "
+             "each object");
 }
 
 void print_split_note(const ExportSettings& settings, const std::vector<std::filesystem::path>& files) {

@@ -19,6 +19,9 @@ namespace brittle::tools {
 // their piece), milliseconds {phase: number, ..., total}, hash (16 hexadecimal digits), recipe.
 [[nodiscard]] std::string report_json(const Input& input, const Broken& broken, const std::string& recipe);
 
+// Says on standard error that options of one mesh have no effect on a scene, where it has some.
+void print_idle_note(const FractureOptions& scene);
+
 // Says on standard error where pieces have files of their own because of the format.
 void print_split_note(const ExportSettings& settings, const std::vector<std::filesystem::path>& files);
 

@@ -21,8 +21,15 @@ using Json = nlohmann::ordered_json;
 
 // The recipe with bare file names, because paths are private.
 Json recipe_without_folders(FractureOptions options) {
-    for (std::string* file : {&options.mesh, &options.sites_file}) {
-        if (!file->starts_with("shape:")) *file = std::filesystem::path(*file).filename().string();
+    const auto shorten = [](std::string& file) {
+        if (!file.starts_with("shape:")) file = std::filesystem::path(file).filename().string();
+    };
+    shorten(options.mesh);
+    shorten(options.sites_file);
+    shorten(options.level.mesh);
+    for (SceneObject& object : options.objects) {
+        shorten(object.recipe.mesh);
+        shorten(object.recipe.sites_file);
     }
     return Json::parse(recipe_json(options));
 }
@@ -57,12 +64,19 @@ Json Profiler::measure(const Scenario& scenario) {
 }
 
 Json Profiler::measure_scene(const Scenario& scenario) {
+    const std::string& recipe = scenario.fracture.save_recipe;
+    if (!recipe.empty()) write_recipe(recipe, scenario.fracture);
     const int64_t begin = trace_clock();
     engine::Renderer* const drawer = plan_.frames > 0 ? &renderer() : nullptr;
     const SceneTimes times = measure_starts(scenario, plan_, drawer, trace_);
     for (const std::string& note : times.notes) tell("%s", note.c_str());
-    Json json{{"name", scenario.name},  {"objects", times.objects},          {"triangles", times.triangles},
-              {"pieces", times.pieces}, {"first", times.first_milliseconds}, {"start", times.start.json()}};
+    Json json{{"name", scenario.name},
+              {"objects", times.objects},
+              {"triangles", times.triangles},
+              {"pieces", times.pieces},
+              {"recipe", recipe_without_folders(scenario.fracture)},
+              {"first", times.first_milliseconds},
+              {"start", times.start.json()}};
     if (drawer) {
         const SceneFrames frames = measure_scene_frames(scenario, plan_, view_, *drawer, trace_);
         json["frames"] = {{"starting", frames.starting.json()},

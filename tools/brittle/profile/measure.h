@@ -31,8 +31,8 @@ class Profiler {
     // breaking_from is the index of the first frame beside which another thread breaks the mesh, as in the demo;
     // fracture_frame is the index of the frame that takes over the pieces.
     //
-    // A scene has other keys: name, objects, triangles, pieces (at the start), first; start {read, prepare, total:
-    // statistics of ms}. With frames also
+    // A scene has other keys: name, objects, triangles, pieces (at the start), recipe, first; start {read, prepare,
+    // total: statistics of ms}. With frames also
     //   frames {starting, standing, playing: {frame, physics, scene, draw, pass NAME, ...}}
     //   frame_series {milliseconds, playing_from}
     //   played {cuts, pieces (at the end)}
