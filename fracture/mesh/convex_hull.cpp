@@ -19,6 +19,12 @@ namespace brittle::fracture {
 namespace {
 
 constexpr uint32_t none = UINT32_MAX;
+// Differences of such coordinates are zero or above 1e-86, so products of three keep all their bits.
+constexpr double min_coordinate = 1e-70, max_coordinate = 1e50;
+
+bool in_range(double x) {
+    return x == 0.0 || (std::abs(x) >= min_coordinate && std::abs(x) <= max_coordinate); // not for NaN
+}
 
 bool are_collinear(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
     return orientation(glm::dvec2(a.x, a.y), {b.x, b.y}, {c.x, c.y}) == 0.0
@@ -219,6 +225,9 @@ class Hull {
 } // namespace
 
 TriangleMesh convex_hull(std::span<const glm::dvec3> points) {
+    if (!std::ranges::all_of(points,
+                             [](const glm::dvec3& p) { return in_range(p.x) && in_range(p.y) && in_range(p.z); }))
+        return {};
     return Hull(points).mesh();
 }
 

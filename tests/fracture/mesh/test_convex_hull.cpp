@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include <doctest/doctest.h>
@@ -64,6 +65,35 @@ TEST_CASE("convex_hull(): points in one plane have none") {
     plane.push_back(plane[10] + glm::dvec3(0.0, 0.0, 1e-14));
     CHECK(volume_of(convex_hull(plane)) > 0.0);
     check_hull(convex_hull(plane), plane);
+}
+
+TEST_CASE("convex_hull(): coordinates out of range have none, whatever the others are") {
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    for (const double bad : {std::numeric_limits<double>::quiet_NaN(), infinity, -infinity, 1e51, -1e51, 1e-71, -1e-200,
+                             std::numeric_limits<double>::denorm_min()}) {
+        CAPTURE(bad);
+        for (int axis = 0; axis < 3; ++axis) {
+            std::vector<glm::dvec3> points = random_points(50, 8);
+            for (size_t k = 7; k < points.size(); k += 11) points[k][axis] = bad;
+            CHECK(convex_hull(points).triangles.empty());
+        }
+    }
+    std::vector<glm::dvec3> small = random_points(50, 9), large = small;
+    for (glm::dvec3& p : small) p *= 1e-66;
+    for (glm::dvec3& p : large) p *= 1e50;
+    check_hull(convex_hull(large), large);
+    check_hull(convex_hull(small), small);
+    CHECK(!convex_hull(small).triangles.empty());
+    // All single precision is in range but what is not finite.
+    std::vector<glm::vec3> tiny, huge;
+    for (const glm::dvec3& p : random_points(50, 10)) {
+        tiny.push_back(glm::vec3(p * 1e-43)); // denormal, most of them equal in a coordinate
+        huge.push_back(glm::vec3(p * 3e38));
+    }
+    CHECK(!convex_hull(tiny).triangles.empty());
+    CHECK(!convex_hull(huge).triangles.empty());
+    huge.front().y = std::numeric_limits<float>::infinity();
+    CHECK(convex_hull(huge).triangles.empty());
 }
 
 TEST_CASE("convex_hull(): points on the faces and edges of a cube") {

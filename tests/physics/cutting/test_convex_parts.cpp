@@ -95,6 +95,13 @@ TEST_CASE("convex parts: those of a ring leave its hole free and cover its body"
     CHECK(wrong < solid * 3 / 10);
 }
 
+TEST_CASE("convex parts: a mesh too large for single precision is one part, as if it were convex") {
+    fracture::TriangleMesh ring = *fracture::shape("torus");
+    for (glm::dvec3& p : ring.positions) p *= 1e39;
+    const double volume = fracture::signed_volume(ring.positions, ring.triangles);
+    CHECK(convex_parts(ring.positions, ring.triangles, volume, glm::dvec3(0.0)).size() == 1);
+}
+
 TEST_CASE("convex parts: the candidates of a hull are few and span nearly all of it") {
     CHECK(hull_candidates({}).empty());
     const std::vector<glm::dvec3> same(5000, glm::dvec3(2.0));
