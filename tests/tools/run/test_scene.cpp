@@ -51,6 +51,14 @@ float fastest(const physics::World& world) {
     return speed;
 }
 
+// What the loading of a scene says and makes.
+struct Told {
+    std::vector<std::string> notes, reports;
+    std::vector<glm::dvec3> positions;
+
+    bool operator==(const Told&) const = default;
+};
+
 } // namespace
 
 TEST_CASE("scene: a file that cannot be read is a failure that names the object") {
@@ -118,6 +126,39 @@ TEST_CASE("scene: a mesh that turns out not to be breakable when it is cut stays
     CHECK(simulation.world().fixed(simulation.body_of(0)));
     CHECK(simulation.world().fixed(simulation.body_of(1)));
     CHECK_FALSE(simulation.world().fixed(simulation.body_of(2)));
+}
+
+TEST_CASE("scene: meshes, notes, reports and failures are the same whatever number of threads makes the meshes") {
+    const Folder folder;
+    const std::string open =
+        folder.write("open.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\n").string();
+    std::string objects;
+    for (int k = 0; k < 24; ++k)
+        objects += std::string(k > 0 ? ", " : "") + R"({"name": "o)" + std::to_string(k) + R"(", "mesh": ")"
+                   + (k % 3 == 0 ? "shape:vase" : open) + R"(", "repair": )" + (k % 3 == 1 ? "true" : "false")
+                   + R"(, "bonded": true, "scale": )" + std::to_string(1 + k / 6) + "}";
+    const FractureOptions scene = scene_of(objects);
+    std::optional<Told> first;
+    for (const uint32_t threads : {1u, 2u, 7u}) {
+        FractureOptions options = scene;
+        options.threads = threads;
+        Told told;
+        const LoadedScene loaded =
+            load_scene(options, {.report = [&](const std::string& text) { told.reports.push_back(text); }});
+        told.notes = loaded.notes;
+        for (size_t k = 0; k < loaded.objects.size(); ++k) {
+            const auto& positions = loaded.objects[k].input->model.mesh.positions;
+            told.positions.insert(told.positions.end(), positions.begin(), positions.end());
+            CHECK(loaded.objects[k].refused == (k % 3 == 2)); // open
+        }
+        CHECK(told.notes.size() == 8);
+        CHECK(told.reports.size() == 8); // of repairs
+        if (!first) first = told;
+        CHECK(told == *first);
+
+        for (const size_t k : {21u, 6u, 12u}) options.objects[k].recipe.sites_file = folder / "missing.txt";
+        CHECK_THROWS_WITH_AS((void)load_scene(options), doctest::Contains("object o6: "), Failure);
+    }
 }
 
 TEST_CASE("scene: notes, failures, progress and pieces are the same whatever number of threads prepares the objects") {

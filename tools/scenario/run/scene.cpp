@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
+#include <functional>
 #include <limits>
 #include <map>
 #include <mutex>
@@ -86,13 +88,27 @@ void keep_looks(fracture::Model& model, const ObjectPlacement& placement) {
     model.textures.clear();
 }
 
-// Loads an object's mesh, in metres of the object, ready for a fracture unless it is fixed.
-Input load_object(const SceneObject& object, const Loading& loading, std::vector<std::string>& notes) {
-    MeshFiles& files = loading.files;
-    const Host& host = loading.host;
+// What the file of an object has of it.
+struct FileMesh {
+    std::shared_ptr<const engine::MaterialSet> materials{};
+    fracture::Model model{};
+    std::shared_ptr<const std::vector<fracture::Image>> images{}; // LoadedObject::images
+};
+
+FileMesh read_mesh(const SceneObject& object, const Loading& loading, std::vector<std::string>& notes) {
+    FileMesh mesh{.materials = loading.files.materials_of(object, loading.host.looks, notes)};
+    mesh.model = loading.files.model_of(object);
+    mesh.model.images.clear(); // those of all meshes at once could fill the memory
+    if (!mesh.materials && !loading.with_looks) keep_mesh_only(mesh.model);
+    if (loading.with_looks) mesh.images = loading.files.images_of(object);
+    return mesh;
+}
+
+// Makes an object's mesh, in metres of the object, ready for a fracture unless it is fixed. On any thread.
+Input make_input(const SceneObject& object, FileMesh from, const Loading& loading, const Host& host) {
     Input input;
-    const std::shared_ptr<const engine::MaterialSet> materials = files.materials_of(object, host.looks, notes);
-    input.model = files.model_of(object);
+    const std::shared_ptr<const engine::MaterialSet>& materials = from.materials;
+    input.model = std::move(from.model);
     input.name = object.name;
     const double metres = object.recipe.mesh.starts_with("shape:") ? 1.0 : metres_of(loading.units);
     input.scale = metres * std::abs(object.placement.scale.x);
@@ -131,21 +147,77 @@ std::string note_of(const SceneObject& object, const std::string& fault) {
     return fracture::printable(object.name) + " stays whole and fixed: " + fault;
 }
 
-// A mesh that cannot be broken is loaded as that of a fixed object.
-LoadedMesh load(SceneObject object, const Loading& loading, std::vector<std::string>& notes) {
-    LoadedMesh mesh;
-    if (loading.with_looks) mesh.images = loading.files.images_of(object);
-    try {
-        mesh.input = std::make_shared<const Input>(load_object(object, loading, notes));
-    } catch (const Failure& failure) {
-        if (failure.code() != exit_mesh) throw;
-        mesh.fault = failure.what();
-        fix(object);
-        if (loading.with_looks) mesh.images = loading.files.images_of(object);
-        mesh.input = std::make_shared<const Input>(load_object(object, loading, notes));
+// Reads the meshes of a scene and makes them ready, each once: the files one after another, the rest side by side.
+class MeshLoader {
+  public:
+    explicit MeshLoader(const Loading& loading) : loading_(loading) {}
+
+    // Reads the mesh of an object. Throws a Failure unless a fixed object can have it.
+    void read(const std::string& key, const SceneObject& object) {
+        Work& work = work_.emplace_back(Work{.key = key, .object = object});
+        try {
+            work.from = read_mesh(object, loading_, work.notes);
+        } catch (const Failure& failure) {
+            if (failure.code() != exit_mesh) throw;
+            work.failure = failure;
+        }
     }
-    return mesh;
-}
+
+    // Makes the meshes, and passes each on by its key, in the order of read(), with notes about its looks. Throws the
+    // Failure of the first one that cannot be made, and names its object.
+    void
+    finish(uint32_t threads,
+           const std::function<void(const std::string& key, LoadedMesh mesh, std::span<const std::string>)>& take) {
+        fracture::Threads(threads).for_each(static_cast<uint32_t>(work_.size()), [&](uint32_t k) {
+            throw_if_cancelled(loading_.host);
+            if (!work_[k].failure) make(work_[k]);
+        });
+        for (Work& work : work_) {
+            try {
+                if (work.failure) make_fixed(work);
+            } catch (const Failure& failure) {
+                throw failure.at("object " + work.object.name);
+            }
+            for (const std::string& text : work.reports) loading_.host.report(text);
+            take(work.key, std::move(work.made), work.notes);
+        }
+    }
+
+  private:
+    struct Work {
+        std::string key;
+        SceneObject object;
+        FileMesh from{};
+        LoadedMesh made{};
+        std::optional<Failure> failure{};
+        std::vector<std::string> notes{}, reports{};
+    };
+
+    void make(Work& work) const {
+        Host host = loading_.host;
+        if (host.report) host.report = [&work](const std::string& text) { work.reports.push_back(text); };
+        work.made.images = work.from.images;
+        try {
+            work.made.input =
+                std::make_shared<const Input>(make_input(work.object, std::move(work.from), loading_, host));
+        } catch (const Failure& failure) {
+            work.failure = failure;
+        }
+    }
+    // A mesh that cannot be broken is that of a fixed object.
+    void make_fixed(Work& work) const {
+        if (work.failure->code() != exit_mesh) throw *work.failure;
+        work.made.fault = work.failure->what();
+        work.failure.reset();
+        fix(work.object);
+        work.from = read_mesh(work.object, loading_, work.notes);
+        make(work);
+        if (work.failure) throw *work.failure;
+    }
+
+    const Loading& loading_;
+    std::deque<Work> work_;
+};
 
 // Gives automatic patterns the scale of the scene, and the seeds of the objects' names.
 std::vector<SceneObject> with_patterns(std::vector<SceneObject> objects, double scale) {
@@ -235,26 +307,35 @@ LoadedScene load_scene(const FractureOptions& scene, const Host& host, SceneCach
     LoadedScene loaded{.glue = scene.glue, .world = scene.world, .threads = scene.threads};
     loaded.world.height = 0.0;
     SceneCache own;
-    auto& [files, meshes, prepared] = cache ? *cache : own;
+    SceneCache& known = cache ? *cache : own;
+    MeshFiles& files = known.files;
     const Loading loading{scene.units, files, host, with_looks};
-    for (const SceneObject& object : objects_of(scene, files, loaded.notes)) {
+    const std::vector<SceneObject> objects = objects_of(scene, files, loaded.notes);
+    MeshLoader loader(loading);
+    std::vector<std::string> keys;
+    std::set<std::string> read;
+    for (const SceneObject& object : objects) {
         throw_if_cancelled(host);
-        LoadedObject& made = loaded.objects.emplace_back(LoadedObject{object, nullptr, nullptr, {}, {}, false});
         try {
-            const std::string key = mesh_key(object, scene.units, files) + (with_looks ? " with looks" : "");
-            const LoadedMesh* mesh = meshes.find(key);
-            if (!mesh) mesh = &meshes.add(key, load(object, loading, loaded.notes));
-            if (!mesh->fault.empty()) {
-                loaded.notes.push_back(note_of(object, mesh->fault));
-                fix(made.object);
-                made.refused = true;
-            }
-            made.input = mesh->input;
-            made.images = mesh->images;
-            place(made, object.placement);
+            keys.push_back(mesh_key(object, scene.units, files) + (with_looks ? " with looks" : ""));
+            if (!known.meshes.find(keys.back()) && read.insert(keys.back()).second) loader.read(keys.back(), object);
         } catch (const Failure& failure) {
             throw failure.at("object " + object.name);
         }
+    }
+    loader.finish(scene.threads, [&](const std::string& key, LoadedMesh mesh, std::span<const std::string> notes) {
+        known.meshes.add(key, std::move(mesh));
+        loaded.notes.insert(loaded.notes.end(), notes.begin(), notes.end());
+    });
+    for (size_t k = 0; k < objects.size(); ++k) {
+        const LoadedMesh& mesh = *known.meshes.find(keys[k]);
+        LoadedObject& made =
+            loaded.objects.emplace_back(LoadedObject{objects[k], mesh.input, mesh.images, {}, {}, !mesh.fault.empty()});
+        if (made.refused) {
+            loaded.notes.push_back(note_of(objects[k], mesh.fault));
+            fix(made.object);
+        }
+        place(made, objects[k].placement);
     }
     check_glue(loaded);
     find_home(loaded);
@@ -262,7 +343,7 @@ LoadedScene load_scene(const FractureOptions& scene, const Host& host, SceneCach
     std::set<std::string> used{scene.level.mesh};
     for (const LoadedObject& object : loaded.objects) used.insert(object.object.recipe.mesh);
     files.keep_only(used);
-    meshes.end_round();
+    known.meshes.end_round();
     return loaded;
 }
 

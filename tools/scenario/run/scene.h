@@ -51,7 +51,9 @@ struct LoadedScene {
 // about faults of the level. Throws a Failure.
 [[nodiscard]] std::vector<std::string> expand_level(FractureOptions& scene);
 
-// Throws a Failure. `cache` (scene_cache.h) holds what earlier calls made, and may be null. `with_looks`: the models of
+// Reads the files one after another and makes the meshes side by side; the result is the same for any number of threads.
+// The host is called from any thread. Throws a Failure: that of the first file that cannot be read, or else of the first
+// object that cannot be made. `cache` (scene_cache.h) holds what earlier calls made, and may be null. `with_looks`: the models of
 // the objects keep their materials, textures and attributes of corners, for an export.
 [[nodiscard]] LoadedScene load_scene(const FractureOptions& scene, const Host& host = {}, SceneCache* cache = nullptr,
                                      bool with_looks = false);
