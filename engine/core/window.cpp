@@ -106,6 +106,10 @@ const Input& Window::poll(double wait) {
     return input_;
 }
 
+void Window::wake() {
+    glfwPostEmptyEvent();
+}
+
 bool Window::should_close() const {
     return glfwWindowShouldClose(window_) != 0;
 }

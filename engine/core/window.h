@@ -9,7 +9,7 @@
 //         renderer.present(scene, draw_ui);
 //     }
 //
-// All functions run on the thread that called create(). GLFW requires the main thread.
+// All functions but wake() run on the thread that called create(). GLFW requires the main thread.
 #pragma once
 
 #include <algorithm>
@@ -106,6 +106,8 @@ class Window {
     // Handles the pending events and returns the input since the previous poll. Without pending events, waits for one
     // for at most `wait` seconds. The reference stays valid, and its content constant, until the next poll.
     const Input& poll(double wait = 0.0);
+
+    void wake(); // ends a wait of poll(); from any thread
 
     [[nodiscard]] bool should_close() const;
     void close(); // makes should_close() return true

@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include <doctest/doctest.h>
 
@@ -21,11 +22,12 @@ inline constexpr double frame = 1.0 / 60.0; // s
 class Room {
   public:
     explicit Room(const std::string& mesh, uint32_t sites = 8) : Room(options_of(mesh, sites)) {}
-    explicit Room(const FractureOptions& options) {
+    explicit Room(const FractureOptions& options) : Room(options, Object::load(options)) {}
+    Room(const FractureOptions& options, std::shared_ptr<const Object> object) {
         device = engine::test::make_device();
         if (!device) return;
         renderer = must(engine::Renderer::create(*device));
-        session = std::make_unique<Session>(options, Object::load(options), *renderer, nullptr);
+        session = std::make_unique<Session>(options, std::move(object), *renderer, nullptr);
     }
     // Runs frames until the condition holds, for half a minute at most.
     template<class Condition>

@@ -19,7 +19,7 @@ int run_demo(const DemoCommand& command) {
         must(engine::Window::create({.title = "Brittle", .width = command.view.width, .height = command.view.height}));
     FractureOptions options = command.fracture;
     for (const std::string& note : expand_level(options)) tell("%s", note.c_str());
-    const auto object = Object::load(options);
+    const auto object = Object::open(options);
     if (!options.save_recipe.empty()) write_recipe(options.save_recipe, options);
     const std::unique_ptr<engine::Device> device = open_device(command.view);
     {

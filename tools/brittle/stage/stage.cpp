@@ -9,6 +9,8 @@
 #include <glm/geometric.hpp>
 #include <glm/gtc/color_space.hpp>
 
+#include "fracture/base/threads.h"
+#include "physics/material.h"
 #include "tools/brittle/base/device_failure.h"
 #include "tools/scenario/base/failure.h"
 
@@ -92,6 +94,22 @@ engine::PieceBatch batch_of(const fracture::TriangleMesh& mesh, const MeshLooks*
                                   .exterior_triangles = static_cast<uint32_t>(mesh.triangles.size()),
                                   .corners = corners};
     return must(engine::PieceBatch::create({&whole, 1}));
+}
+
+SceneMeshes meshes_of(const LoadedScene& scene) {
+    SceneMeshes meshes;
+    std::map<const Input*, uint32_t> known;
+    std::vector<const Input*> originals;
+    for (const LoadedObject& object : scene.objects) {
+        const auto [at, is_new] = known.try_emplace(object.input.get(), static_cast<uint32_t>(originals.size()));
+        if (is_new) originals.push_back(object.input.get());
+        meshes.objects.push_back({at->second, object.placement, object.object.recipe.material, object.input->looks});
+    }
+    meshes.batches.resize(originals.size());
+    fracture::Threads(scene.threads).for_each(static_cast<uint32_t>(originals.size()), [&](uint32_t k) {
+        meshes.batches[k] = batch_of(originals[k]->model.mesh, originals[k]->looks.get());
+    });
+    return meshes;
 }
 
 PreparedPieces prepare_pieces(const engine::Renderer& renderer, const fracture::Fragments& fragments,
@@ -200,22 +218,68 @@ void Stage::stand(std::vector<PreparedObject> objects, const WorldOptions& world
     untinted_ = true;
     max_pieces_ = world.piece_limit;
     passed_watch_.reset();
-    choose_surfaces();
+    std::vector<const physics::MaterialPreset*> materials;
+    for (const Simulation::Member& member : simulation_.members()) materials.push_back(member.material);
+    choose_surfaces(materials);
     start_particles();
     take_events();
 }
 
-// A surface for each material of the objects; 0 for the first one's, which the look of the scene has.
-void Stage::choose_surfaces() {
+void Stage::show(const SceneMeshes& meshes) {
+    draw_anew({});
+    carried_.clear();
+    std::vector<std::shared_ptr<const MeshLooks>> looks;
+    std::vector<const physics::MaterialPreset*> materials;
+    for (const SceneMeshes::Object& object : meshes.objects) {
+        looks.push_back(object.looks);
+        materials.push_back(physics::material_preset(object.material));
+    }
+    use_looks(std::move(looks));
+    choose_surfaces(materials);
+    radii_.clear();
+    members_.clear();
+    std::vector<std::optional<engine::PieceHandle>> originals(meshes.batches.size());
+    for (uint32_t k = 0; k < meshes.objects.size(); ++k) {
+        const SceneMeshes::Object& object = meshes.objects[k];
+        engine::PieceBatch batch = meshes.batches[object.batch];
+        const glm::vec4 sphere = batch.pieces().front().sphere;
+        const glm::vec3 centre(sphere);
+        const engine::PieceAttachment attachment{.body = k,
+                                                 .offset = -centre,
+                                                 .id = k + 1,
+                                                 .surface = surface_of_[k],
+                                                 .centre = centre,
+                                                 .first_material = first_materials_[k]};
+        std::optional<engine::PieceHandle>& original = originals[object.batch];
+        engine::PieceHandle handle;
+        if (original) {
+            handle = must(renderer_.copy_pieces({&*original, 1}, attachment)).front();
+        } else {
+            batch.attach(attachment);
+            handle = must(renderer_.add_pieces(std::move(batch))).front();
+            original = handle;
+        }
+        const physics::Pose& at = object.placement;
+        meshes_.push_back({handle, {at.position + at.orientation * centre, at.orientation}});
+        radii_.push_back(sphere.w);
+        members_.push_back(k);
+    }
+    std::vector<bool> hidden;
+    std::swap(hidden, hidden_);
+    hide(std::move(hidden));
+}
+
+// A surface for each material of the objects; 0 for that which the look of the scene has.
+void Stage::choose_surfaces(std::span<const physics::MaterialPreset* const> materials) {
     surfaces_.clear();
     surface_of_.clear();
     std::vector<const physics::MaterialPreset*> known{simulation_.material()};
-    for (const Simulation::Member& member : simulation_.members()) {
-        const auto at = std::ranges::find(known, member.material);
+    for (const physics::MaterialPreset* const material : materials) {
+        const auto at = std::ranges::find(known, material);
         surface_of_.push_back(static_cast<uint32_t>(at - known.begin()));
         if (at != known.end()) continue;
-        known.push_back(member.material);
-        surfaces_.push_back(surface_look(member.material));
+        known.push_back(material);
+        surfaces_.push_back(surface_look(material));
     }
 }
 
@@ -234,6 +298,7 @@ void Stage::shoot(const Shot& shot) {
 void Stage::draw_anew(engine::PieceBatch batch) {
     alpha_ = 1.0f;
     drawn_.clear();
+    meshes_.clear();
     (void)must(renderer_.set_pieces({}));
     (void)must(renderer_.add_pieces(std::move(batch)));
     moment_before_ = moment_ + 1;
@@ -424,15 +489,18 @@ void Stage::hide(std::vector<bool> hidden) {
     std::swap(hidden, hidden_);
     for (const auto& [piece, drawn] : drawn_)
         for (const Part& part : drawn.parts) (is_hidden(drawn.object) ? out : in).push_back(part.handle);
+    for (uint32_t k = 0; k < meshes_.size(); ++k) (is_hidden(k) ? out : in).push_back(meshes_[k].handle);
     must(renderer_.fade_pieces(out, 1.0f));
     must(renderer_.fade_pieces(in, 0.0f));
     moved_ = true;
 }
 
 bool Stage::is_hidden(physics::ObjectId object) const {
-    if (hidden_.empty()) return false;
-    const uint32_t member = simulation_.member_of(object);
-    return member < hidden_.size() && hidden_[member];
+    return !hidden_.empty() && is_hidden(simulation_.member_of(object));
+}
+
+bool Stage::is_hidden(uint32_t object) const {
+    return object < hidden_.size() && hidden_[object];
 }
 
 // A separate moment, at which every pose changes.
@@ -452,6 +520,13 @@ physics::Pose Stage::drawn_pose(uint32_t slot, const physics::Pose& pose) const 
     return at;
 }
 
+// Calls visit(slot, pose) for what moved in a step from `since` on. Meshes without bodies move by carry() alone.
+template<class Visit>
+void Stage::visit_poses(uint64_t since, const Visit& visit) const {
+    for (uint32_t slot = 0; slot < meshes_.size(); ++slot) visit(slot, meshes_[slot].pose);
+    if (broken()) simulation_.visit_poses(alpha_, since, visit);
+}
+
 // Sets the bounds of all shadow casters, and the function that writes the poses that changed since the slice of the
 // instance buffer was written.
 void Stage::place(engine::Scene& scene) {
@@ -462,9 +537,8 @@ void Stage::place(engine::Scene& scene) {
         if (glm::clamp(centre, room.min, room.max) == centre)
             scene.bounds = engine::join(scene.bounds, {centre - radius, centre + radius});
     };
-    simulation_.visit_poses(alpha_, 0, [&](uint32_t slot, const physics::Pose& pose) {
-        include(drawn_pose(slot, pose).position, radii_[slot]);
-    });
+    visit_poses(
+        0, [&](uint32_t slot, const physics::Pose& pose) { include(drawn_pose(slot, pose).position, radii_[slot]); });
     if (!simulation_.balls().empty())
         for (const engine::Sphere& sphere : shown_spheres_) include(sphere.centre, sphere.radius);
     if (scene.bounds.min.x > scene.bounds.max.x) scene.bounds = home_; // no piece is inside the room
@@ -472,7 +546,7 @@ void Stage::place(engine::Scene& scene) {
     scene.moment = moment_;
     scene.write_poses = [this](std::span<engine::BodyPose> out, uint64_t since) {
         const uint64_t steps = since < all_moved_ ? 0 : since - moment_before_;
-        simulation_.visit_poses(alpha_, steps, [&](uint32_t slot, const physics::Pose& pose) {
+        visit_poses(steps, [&](uint32_t slot, const physics::Pose& pose) {
             const physics::Pose at = drawn_pose(slot, pose);
             if (slot < out.size()) out[slot] = {.rotation = at.orientation, .position = at.position};
         });
@@ -508,7 +582,7 @@ engine::Scene Stage::scene() {
     scene.spheres = shown_spheres_;
     scene.spheres_on_top = simulation_.balls().empty();
     scene.spheres_cast_shadows = !scene.spheres_on_top;
-    if (broken()) place(scene);
+    if (broken() || !meshes_.empty()) place(scene);
     place_particles(scene);
     lines_ = own_lines_;
     if (hulls_) {

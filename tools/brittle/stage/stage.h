@@ -29,6 +29,7 @@
 #include "tools/brittle/stage/mesh_looks.h"
 #include "tools/brittle/stage/piece_drawing.h"
 #include "tools/scenario/recipe/input.h"
+#include "tools/scenario/run/scene.h"
 #include "tools/scenario/run/simulation.h"
 #include "tools/scenario/run/stage_placement.h"
 
@@ -53,6 +54,21 @@ struct PreparedPieces {
 // Returns what makes the payloads of breakable pieces for a renderer, on any thread.
 [[nodiscard]] DrawingMaker payload_maker(const engine::Renderer& renderer);
 
+// The meshes of a scene as its objects show them, for a stage on which they have no bodies yet.
+struct SceneMeshes {
+    struct Object {
+        uint32_t batch = 0;        // of `batches`
+        physics::Pose placement{}; // from the object's coordinates to the world
+        std::string material{};    // name of a preset, or empty
+        std::shared_ptr<const MeshLooks> looks{};
+    };
+    std::vector<engine::PieceBatch> batches{}; // of one piece each
+    std::vector<Object> objects{};
+};
+
+// Equal meshes become one batch. On any thread. Throws a Failure.
+[[nodiscard]] SceneMeshes meshes_of(const LoadedScene& scene);
+
 class Stage {
   public:
     // Shows the unbroken mesh, or a batch made from it, in its box. The renderer must outlive the stage. `material` is
@@ -70,6 +86,9 @@ class Stage {
     // shots. `ahead` must belong to these fragments and options.
     void stand(const fracture::Fragments& fragments, const WorldOptions& world);
     void stand(const fracture::Fragments& fragments, const WorldOptions& world, PreparedPieces ahead);
+    // Empties the stage and shows the meshes of a scene, whose objects carry() and hide() know by their index. They do
+    // not collide, and no time passes, until stand().
+    void show(const SceneMeshes& meshes);
     // Empties the stage and puts several prepared objects on it (Simulation::start()). Their payloads must be of
     // payload_maker().
     void stand(std::vector<PreparedObject> objects, const WorldOptions& world);
@@ -126,6 +145,11 @@ class Stage {
         glm::vec3 tint;
         physics::ObjectId object;
     };
+    // A mesh that show() put on the stage.
+    struct ShownMesh {
+        engine::PieceHandle handle;
+        physics::Pose pose; // of the middle of its bounding sphere
+    };
     // By object and ClusterBranch::key(): objects of one mesh share clusters.
     using PartPool = std::map<std::pair<physics::ObjectId, const void*>, Part>;
     // Parts that are to be added.
@@ -147,26 +171,30 @@ class Stage {
     [[nodiscard]] glm::vec3 tint_of(const physics::PieceAdded& added, std::span<const physics::PieceAdded> all,
                                     const std::map<physics::PieceId, glm::vec3>& before) const;
     void place(engine::Scene& scene);
-    void choose_surfaces();
+    void choose_surfaces(std::span<const physics::MaterialPreset* const> materials);
     void use_looks(std::vector<std::shared_ptr<const MeshLooks>> looks);
     void draw_all_poses();
+    template<class Visit>
+    void visit_poses(uint64_t since, const Visit& visit) const;
     [[nodiscard]] physics::Pose drawn_pose(uint32_t slot, const physics::Pose& pose) const;
     [[nodiscard]] bool is_hidden(physics::ObjectId object) const;
+    [[nodiscard]] bool is_hidden(uint32_t object) const; // of the scene
 
     engine::Renderer& renderer_;
     Simulation simulation_;
     engine::Bounds home_;
     std::vector<float> radii_;                            // by slot: radius of the piece around its centre of mass
-    std::vector<uint32_t> members_;                       // by slot: the object of the simulation, in a breakable world
+    std::vector<uint32_t> members_;                       // by slot: the object of the scene, in a breakable world
     std::map<physics::PieceId, Drawn> drawn_;             // pieces of a breakable world
+    std::vector<ShownMesh> meshes_;                       // by slot; none once objects stand
     std::vector<engine::SurfaceLook> surfaces_;           // of the scene
-    std::vector<uint32_t> surface_of_;                    // by object of the simulation: PieceAttachment::surface
-    std::vector<std::shared_ptr<const MeshLooks>> looks_; // of the mesh; or by object of the simulation
+    std::vector<uint32_t> surface_of_;                    // by object of the scene: PieceAttachment::surface
+    std::vector<std::shared_ptr<const MeshLooks>> looks_; // of the mesh; or by object of the scene
     std::vector<uint32_t> first_materials_;               // by entry of looks_: PieceAttachment::first_material
     bool has_materials_ = false;                          // whether a mesh has some
     PieceColours colours_ = PieceColours::automatic;
-    std::vector<physics::Pose> carried_; // by object of the simulation: set by carry()
-    std::vector<bool> hidden_;           // by object of the simulation: set by hide()
+    std::vector<physics::Pose> carried_; // by object of the scene: set by carry()
+    std::vector<bool> hidden_;           // by object of the scene: set by hide()
     bool untinted_ = false;              // uncut pieces keep the look of the unbroken mesh: the world started whole
     size_t max_pieces_ = 0;              // limit beyond which debris is removed
     uint64_t moment_ = 0;                // number of the scene's pose state: moment_before_ + steps

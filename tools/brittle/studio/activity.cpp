@@ -22,6 +22,12 @@ void Activity::start(const std::string& what, Worker::Task task) {
 void Activity::post(std::function<void()> completion) {
     const std::scoped_lock lock(mutex_);
     completions_.push_back(std::move(completion));
+    if (wake_) wake_();
+}
+
+void Activity::wake_by(std::function<void()> wake) {
+    const std::scoped_lock lock(mutex_);
+    wake_ = std::move(wake);
 }
 
 void Activity::deliver() {
@@ -39,9 +45,12 @@ std::optional<Activity::Work> Activity::work() const {
 }
 
 bool Activity::idle() const {
-    if (worker_.busy()) return false;
+    return !worker_.busy() && !has_results();
+}
+
+bool Activity::has_results() const {
     const std::scoped_lock lock(mutex_);
-    return completions_.empty();
+    return !completions_.empty();
 }
 
 } // namespace brittle::tools

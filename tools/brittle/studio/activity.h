@@ -43,6 +43,8 @@ class Activity {
     // Queues a function for the next deliver().
     void post(std::function<void()> completion);
     void set_share(double share) { share_ = share; }
+    // Sets what post() calls, on any thread, so that a window which waits for events looks for the result.
+    void wake_by(std::function<void()> wake);
     // Runs the functions queued by post(). Called once per frame.
     void deliver();
     void cancel() { worker_.cancel(); }
@@ -51,6 +53,7 @@ class Activity {
     [[nodiscard]] bool busy() const { return worker_.busy(); }
     // Whether no task runs or waits and no function is queued.
     [[nodiscard]] bool idle() const;
+    [[nodiscard]] bool has_results() const; // whether a function is queued
 
     [[nodiscard]] const Message& message() const { return message_; }
     void say(Message message) { message_ = std::move(message); }
@@ -60,6 +63,7 @@ class Activity {
     Message message_;
     mutable std::mutex mutex_;
     std::vector<std::function<void()>> completions_;
+    std::function<void()> wake_;
     std::string name_;
     std::atomic<double> share_ = 0.0;
     Worker worker_; // last: its destructor waits for tasks, which use the other members

@@ -1,16 +1,17 @@
 #include "tools/brittle/studio/object.h"
 
 #include <algorithm>
+#include <limits>
 #include <numeric>
 #include <utility>
 #include <vector>
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
 
 #include "fracture/mesh/topology.h"
 #include "tools/brittle/stage/loading.h"
-#include "tools/brittle/stage/stage.h"
 #include "tools/scenario/base/failure.h"
 #include "tools/scenario/recipe/recipe.h"
 #include "tools/scenario/run/scene_glue.h"
@@ -26,6 +27,12 @@ std::vector<uint32_t> all_triangles(const fracture::TriangleMesh& mesh) {
     std::vector<uint32_t> all(mesh.triangles.size());
     std::iota(all.begin(), all.end(), 0u);
     return all;
+}
+
+// A host that is also cancelled by a question.
+Host cancelled_by(Host host, const std::function<bool()>& question) {
+    if (question) host.cancelled = [also = host.cancelled, question] { return question() || (also && also()); };
+    return host;
 }
 
 // A scene has no mesh of its own.
@@ -52,23 +59,38 @@ std::string all_but_places(const FractureOptions& options) {
 
 } // namespace
 
+std::shared_ptr<Object> Object::load_scene(const FractureOptions& options, const Host& host, const Object* earlier,
+                                           const Prepare& prepare) {
+    auto cache = earlier && earlier->cache_ ? earlier->cache_ : std::make_shared<SceneCache>();
+    LoadedScene scene = open_scene(options, host, cache.get(), true);
+    std::vector<PreparedObject> parts = prepare ? prepare(scene, *cache) : std::vector<PreparedObject>();
+    const std::shared_ptr<Object> made(new Object(std::move(scene), std::move(parts)));
+    made->cache_ = std::move(cache);
+    made->but_places_ = all_but_places(options);
+    for (const LoadedObject& object : made->scene_->objects) made->turned_.push_back(object.object.placement.rotation);
+    return made;
+}
+
+std::shared_ptr<const Object> Object::open(const FractureOptions& options, const std::function<bool()>& cancelled) {
+    if (!tools::is_scene(options)) return load(options, {}, nullptr, cancelled);
+    std::shared_ptr<Object> made = load_scene(options, cancelled_by(drawing_host(), cancelled), nullptr, {});
+    made->meshes_ = meshes_of(*made->scene_);
+    return made;
+}
+
 std::shared_ptr<const Object> Object::load(const FractureOptions& options, const std::function<void(double)>& progress,
-                                           const Object* earlier) {
+                                           const Object* earlier, const std::function<bool()>& cancelled) {
     if (tools::is_scene(options)) {
-        auto cache = earlier && earlier->cache_ ? earlier->cache_ : std::make_shared<SceneCache>();
-        const Host host = drawing_host();
-        LoadedScene scene = open_scene(options, host, cache.get(), true);
-        std::vector<PreparedObject> parts = prepare_scene(scene, host, {}, progress, cache.get());
-        const std::shared_ptr<Object> made(new Object(std::move(scene), std::move(parts)));
-        made->cache_ = std::move(cache);
-        made->but_places_ = all_but_places(options);
-        for (const LoadedObject& object : made->scene_->objects)
-            made->turned_.push_back(object.object.placement.rotation);
-        return made;
+        const Host host = cancelled_by(drawing_host(), cancelled);
+        return load_scene(options, host, earlier, [&](LoadedScene& scene, SceneCache& cache) {
+            return prepare_scene(scene, host, {}, progress, &cache);
+        });
     }
     Input input = load_mesh_only(options.mesh, true);
     input.units = options.units;
-    prepare_mesh(options, input, program_host());
+    const Host host = cancelled_by(program_host(), cancelled);
+    throw_if_cancelled(host);
+    prepare_mesh(options, input, host);
     const auto report = fracture::check_topology(input.model.mesh.positions.size(), input.model.mesh.triangles);
     if (!report.closed()) throw Failure(exit_mesh, input.name + ": " + fracture::describe(report));
     std::string overlap = options.unite ? std::string() : overlap_of(input.model.mesh);
@@ -125,6 +147,7 @@ std::shared_ptr<const Object> Object::placed_as(const FractureOptions& options) 
     for (size_t k = 0; k < scene.objects.size(); ++k) {
         if (scene.objects[k].object.placement != options.objects[k].placement)
             place(scene.objects[k], options.objects[k].placement);
+        if (parts_.empty()) continue;
         parts.push_back(copy_of(parts_[k], {}, 1));
         parts.back().placement = scene.objects[k].placement;
     }
@@ -133,16 +156,38 @@ std::shared_ptr<const Object> Object::placed_as(const FractureOptions& options) 
     made->cache_ = cache_;
     made->but_places_ = but_places_;
     made->turned_ = turned_;
+    made->meshes_ = meshes_;
+    for (size_t k = 0; k < made->meshes_.objects.size(); ++k)
+        made->meshes_.objects[k].placement = made->scene_->objects[k].placement;
     return made;
 }
 
 bool Object::is_prepared() const {
     if (!scene_) return true;
+    if (parts_.empty()) return false;
     for (size_t k = 0; k < turned_.size(); ++k) {
         const SceneObject& object = scene_->objects[k].object;
         if (object.recipe.world.anchored && object.placement.rotation != turned_[k]) return false;
     }
     return true;
+}
+
+std::optional<uint32_t> Object::object_along(const glm::dvec3& from, const glm::dvec3& direction,
+                                             const std::function<bool(uint32_t object)>& skips) const {
+    std::optional<uint32_t> first;
+    double nearest = std::numeric_limits<double>::infinity();
+    for (uint32_t k = 0; k < scene_->objects.size(); ++k) {
+        if (skips(k)) continue;
+        const physics::Pose& at = scene_->objects[k].placement;
+        const glm::dquat back = glm::conjugate(glm::dquat(at.orientation));
+        const fracture::TriangleMesh& mesh = scene_->objects[k].input->model.mesh;
+        const auto hit = fracture::first_hit(mesh.positions, mesh.triangles, back * (from - glm::dvec3(at.position)),
+                                             back * direction);
+        if (!hit || *hit >= nearest) continue;
+        nearest = *hit;
+        first = k;
+    }
+    return first;
 }
 
 SiteSet Object::sites(const FractureOptions& options) const {

@@ -13,6 +13,7 @@
 #include "engine/render/renderer.h"
 #include "fracture/mesh/triangle_tree.h"
 #include "tools/brittle/stage/mesh_looks.h"
+#include "tools/brittle/stage/stage.h"
 #include "tools/scenario/recipe/input.h"
 #include "tools/scenario/run/scene.h"
 #include "tools/scenario/run/scene_cache.h"
@@ -27,17 +28,23 @@ struct Hit {
 
 class Object {
   public:
-    // Loads and prepares the mesh or the scene of the options. Throws a Failure, also if the one mesh is not closed.
+    // Loads and prepares the mesh or the scene of the options. Throws a Failure, also if the one mesh is not closed, and
+    // with exit_interrupted soon after `cancelled` answers true.
     // `progress` is called with shares from 0 to 1 while a scene is prepared.
     // `earlier`: the object before an edit, of which a scene takes what did not change; or null.
     [[nodiscard]] static std::shared_ptr<const Object> load(const FractureOptions& options,
                                                             const std::function<void(double)>& progress = {},
-                                                            const Object* earlier = nullptr);
+                                                            const Object* earlier = nullptr,
+                                                            const std::function<bool()>& cancelled = {});
+    // As load(), but does not prepare the objects of a scene: it can be shown, and not stand.
+    [[nodiscard]] static std::shared_ptr<const Object> open(const FractureOptions& options,
+                                                            const std::function<bool()>& cancelled = {});
     // Returns the mesh at its place in another world.
     [[nodiscard]] std::shared_ptr<const Object> placed_for(const WorldOptions& world) const;
     // Returns a scene with its objects at the places of a recipe; null where the recipe differs in more than places.
     [[nodiscard]] std::shared_ptr<const Object> placed_as(const FractureOptions& options) const;
-    // False for a scene in which placed_as() turned an object that is held at its lowest part: load() finds that part.
+    // False for a scene of open(), and for one in which placed_as() turned an object that is held at its lowest part:
+    // load() prepares it.
     [[nodiscard]] bool is_prepared() const;
     Object(const Object&) = delete;
     Object& operator=(const Object&) = delete;
@@ -47,6 +54,11 @@ class Object {
     [[nodiscard]] bool is_scene() const { return scene_.has_value(); }
     [[nodiscard]] const LoadedScene& scene() const { return *scene_; } // precondition: is_scene()
     [[nodiscard]] std::span<const PreparedObject> parts() const { return parts_; }
+    [[nodiscard]] const SceneMeshes& meshes() const { return meshes_; } // of a scene of open()
+    // The object of a scene whose mesh a ray meets first, of those for which `skips` is false. `direction` is a unit
+    // vector. All triangles are tested: for a click.
+    [[nodiscard]] std::optional<uint32_t> object_along(const glm::dvec3& from, const glm::dvec3& direction,
+                                                       const std::function<bool(uint32_t object)>& skips) const;
     [[nodiscard]] const fracture::Box& home() const { return home_; } // what the camera looks at, on the stage
 
     [[nodiscard]] size_t triangles() const { return triangles_; }         // of the mesh, or of all objects
@@ -84,6 +96,9 @@ class Object {
     Object(Input file, std::string overlap, const WorldOptions& world,
            std::shared_ptr<const engine::MaterialSet> materials);
     Object(LoadedScene scene, std::vector<PreparedObject> parts);
+    using Prepare = std::function<std::vector<PreparedObject>(LoadedScene&, SceneCache&)>;
+    static std::shared_ptr<Object> load_scene(const FractureOptions& options, const Host& host, const Object* earlier,
+                                              const Prepare& prepare);
 
     Input file_, stage_;
     std::string overlap_;
@@ -96,7 +111,8 @@ class Object {
     fracture::Box home_, extent_;
     size_t triangles_ = 0;
     std::optional<LoadedScene> scene_;
-    std::vector<PreparedObject> parts_;
+    std::vector<PreparedObject> parts_; // empty: not prepared
+    SceneMeshes meshes_;
     std::shared_ptr<SceneCache> cache_; // used by one load at a time
     std::string but_places_;            // the recipe that the scene was loaded for, without the places
     std::vector<glm::dvec3> turned_;    // by object: the rotation with which it was prepared

@@ -9,6 +9,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "physics/world/world.h"
 #include "tools/scenario/base/failure.h"
 #include "tools/scenario/recipe/recipe.h"
 
@@ -18,7 +19,7 @@ namespace {
 
 constexpr float preview_tint = 0.8f;
 constexpr float tint_of_the_struck = 0.12f;
-constexpr double physics_step = 1.0 / 120.0; // s, of World
+const double physics_step = physics::WorldSettings{}.step; // s; 1/120 as a double would be a little less
 constexpr float hull_lift = 0.01f; // share of the way to the eye by which lines of hulls are drawn before pieces
 constexpr float far_away = 12.0f;  // m from the middle, where the stage's shadow ends
 
@@ -70,7 +71,7 @@ Session::Session(FractureOptions recipe, std::shared_ptr<const Object> object, e
     recorder_.emplace(document_.recipe());
     make_stage();
     sites_.generate(document_.recipe(), *object_);
-    tell_notes();
+    object_->is_prepared() ? tell_notes() : read_object();
 }
 
 Session::~Session() {
@@ -96,7 +97,10 @@ void Session::make_stage(std::vector<PreparedObject> parts) {
     playing_ = false;
     leave_piece();
     if (!object_->is_scene()) return;
-    stand_scene(parts.empty() ? parts_of(*object_, renderer_, recipe().threads) : std::move(parts));
+    if (object_->is_prepared())
+        stand_scene(parts.empty() ? parts_of(*object_, renderer_, recipe().threads) : std::move(parts));
+    else
+        show_scene();
 }
 
 std::string Session::name() const {
@@ -163,25 +167,27 @@ void Session::follow(const FractureOptions& before) {
 // Reads and prepares the mesh or the scene of the recipe on the worker. While the mouse holds a control, results come
 // slower than changes, so one that is older than the recipe is shown, too.
 void Session::read_object() {
-    const auto read = [this, number = ++reads_, now = recipe(), before = object_] {
+    const auto read = [this, number = ++reads_, now = recipe(), before = object_](const Worker::Cancelled& cancelled) {
         try {
             auto object = Object::load(
-                now, [this](double share) { activity_.set_share(share); }, before.get());
+                now, [this](double share) { activity_.set_share(share); }, before.get(), cancelled);
             auto parts = std::make_shared<std::vector<PreparedObject>>(parts_of(*object, renderer_, now.threads));
             activity_.post([this, object, parts, number, subject = subject_of(now)] {
                 if (number < valid_reads_) return;
+                valid_reads_ = number + 1;
                 const bool is_new = subject_of(recipe()) == subject;
                 if (is_new || (preview_.held && object->is_scene() && object_->is_scene()))
                     adopt(object, std::move(*parts));
             });
         } catch (const Failure& failure) {
             activity_.post([this, failure, number] {
-                if (number >= valid_reads_) report(failure);
+                if (number < valid_reads_) return;
+                valid_reads_ = number + 1;
+                report(failure);
             });
         }
     };
-    activity_.start("reading " + (is_scene(recipe()) ? "the scene" : recipe().mesh),
-                    [read](const Worker::Cancelled&) { read(); });
+    activity_.start(is_scene(recipe()) ? "preparing the scene" : "reading " + recipe().mesh, read);
 }
 
 void Session::adopt(std::shared_ptr<const Object> object, std::vector<PreparedObject> parts) {
@@ -196,9 +202,12 @@ void Session::adopt(std::shared_ptr<const Object> object, std::vector<PreparedOb
         report(failure);
     }
     if (!object_->is_scene() && files_.opened) files_.opened(recipe().mesh);
-    if (!(object_->is_scene() && before->is_scene() && before->scene().notes == object_->scene().notes)) tell_notes();
-    playing_ = std::exchange(play_due_, false) && object_->is_scene();
+    if (!object_->is_prepared()) return read_object();
+    const bool told = object_->is_scene() && before->is_scene() && before->is_prepared()
+                      && before->scene().notes == object_->scene().notes;
+    if (!told) tell_notes();
     if (object_->is_scene()) lay_down();
+    if (const auto due = std::exchange(due_, {}); due && object_->is_scene()) due();
 }
 
 void Session::take_sites(uint64_t gesture) {
@@ -233,8 +242,8 @@ engine::Bounds Session::all_bounds() const {
 
 void Session::break_all() {
     if (object_->is_scene()) {
-        play_due_ = !stand_now(); // once the scene is read
-        playing_ = !play_due_;
+        if (!stand_now()) return once_it_stands("time begins", [this] { break_all(); });
+        playing_ = true;
         return;
     }
     if (!recipe().strikes.empty()) edit(ClearStrikes{});
@@ -246,6 +255,15 @@ void Session::break_all() {
         world.anchors.clear();
     }
     start_breaking(world);
+}
+
+void Session::strike_along(const glm::dvec3& from, const glm::dvec3& direction) {
+    if (!stand_now()) return once_it_stands("the blow falls", [=, this] { strike_along(from, direction); });
+    if (!broken()) {
+        if (const auto hit = object_->first_hit(from, direction)) strike(hit->point, direction);
+    } else if (const auto hit = first_piece(from, direction)) {
+        strike(*hit, direction);
+    }
 }
 
 void Session::strike(const glm::dvec3& at, const glm::dvec3& direction) {
@@ -276,7 +294,7 @@ void Session::strike(const PieceHit& hit, const glm::dvec3& direction) {
 }
 
 void Session::shoot(const glm::vec3& from, const glm::vec3& direction) {
-    if (!stand_now()) return;
+    if (!stand_now()) return once_it_stands("the ball flies", [=, this] { shoot(from, direction); });
     if (broken()) {
         stage_->shoot({.from = glm::dvec3(from),
                        .velocity = glm::dvec3(tools.ball_speed * direction),
@@ -309,7 +327,7 @@ void Session::let_go() {
 }
 
 void Session::reset() {
-    play_due_ = false;
+    due_ = {};
     picture().explode = 0.0f;
     if (!object_->is_scene()) activity_.cancel(); // a scene that is being read is awaited
     if (!recipe().strikes.empty()) edit(ClearStrikes{});
@@ -362,7 +380,7 @@ void Session::take_pieces(Broken made, PreparedPieces ahead, const WorldOptions&
 }
 
 void Session::step_once() {
-    if (!stand_now()) return;
+    if (!stand_now()) return once_it_stands("time begins", [this] { step_once(); });
     playback.paused = true;
     single_step_ = true;
     playing_ = broken();
@@ -370,7 +388,7 @@ void Session::step_once() {
 
 void Session::report(const Failure& failure, const std::string& mend) {
     shot_.reset();
-    play_due_ = false;
+    due_ = {};
     lay_down_.reset();
     if (failure.code() == exit_environment) throw failure; // the device is gone
     if (failure.code() == exit_interrupted)
@@ -520,9 +538,17 @@ void Session::place_lines(engine::Scene& scene) {
     scene.lines = lines_;
 }
 
-bool Session::quiet() const {
-    if (!activity_.idle() || preview_.busy() || single_step_ || moved_) return false;
+bool Session::is_still() const {
+    if (preview_.busy() || single_step_ || moved_) return false;
     return playback.paused || !playing_ || stage_->still();
+}
+
+bool Session::quiet() const {
+    return activity_.idle() && is_still();
+}
+
+bool Session::only_works() const {
+    return activity_.busy() && !activity_.has_results() && is_still();
 }
 
 bool Session::take_fracture_mark() {

@@ -45,7 +45,8 @@ struct Playback {
 
 class Session {
   public:
-    // The renderer and the classifier (null for the CPU) outlive the session.
+    // The renderer and the classifier (null for the CPU) outlive the session. A scene that is not prepared is shown, and
+    // prepared on a worker.
     Session(FractureOptions recipe, std::shared_ptr<const Object> object, engine::Renderer& renderer,
             fracture::Classifier* classifier);
     ~Session();
@@ -92,6 +93,9 @@ class Session {
     // The nearest piece along a ray that is drawn; for selection, also not of a locked object.
     [[nodiscard]] std::optional<PieceHit> first_piece(const glm::dvec3& from, const glm::dvec3& direction,
                                                       bool selects = false) const;
+    // The object of a scene that a ray meets first, also while it is being prepared; for selection, also not a locked one.
+    [[nodiscard]] std::optional<uint32_t> first_object(const glm::dvec3& from, const glm::dvec3& direction,
+                                                       bool selects = false) const;
     // The middle of the boxes of the selected objects; nothing without one, and while the scene is played.
     [[nodiscard]] std::optional<glm::vec3> middle_of_selected() const;
     void remove_selected(); // the last object stays: a scene needs one
@@ -112,8 +116,13 @@ class Session {
     // The bounds of all pieces except distant ones; of the whole mesh while there are none.
     [[nodiscard]] engine::Bounds all_bounds() const;
 
+    // While a scene is being prepared or read, the last call of break_all(), strike_along(), shoot() or step_once() waits
+    // for it.
+    //
     // Breaks the mesh by the pattern or the sites, without strikes. Lets the time of a scene begin.
     void break_all();
+    // Hits the first thing along a ray with the hammer.
+    void strike_along(const glm::dvec3& from, const glm::dvec3& direction);
     // Hits the whole mesh, or a piece, with the hammer. A breakable world is cut where it is hit and goes on. Otherwise the
     // whole mesh is broken anew, by the recipe with one more strike.
     void strike(const glm::dvec3& at, const glm::dvec3& direction);
@@ -163,6 +172,8 @@ class Session {
     [[nodiscard]] uint64_t steps() const { return stage_->simulation().steps(); } // of physics since the break
     // Whether the next frame would equal the last one: nothing moves, no work is under way, no result is awaited.
     [[nodiscard]] bool quiet() const;
+    // Whether the next frame would differ from the last one by the share of the work alone.
+    [[nodiscard]] bool only_works() const;
     // Returns true once after each fracture that was put on the stage, for the mark in the graph of frame times.
     [[nodiscard]] bool take_fracture_mark();
 
@@ -172,17 +183,20 @@ class Session {
     void follow(const FractureOptions& before);
     bool follow_places();
     void read_object();
-    [[nodiscard]] bool reads() const; // whether a read that is wanted is under way
+    [[nodiscard]] bool is_still() const; // whether nothing but work may change the next frame
+    [[nodiscard]] bool reads() const;    // whether a read that is wanted is under way
     bool stand_now();
+    void once_it_stands(const std::string& what, std::function<void()> action); // `what` for people
     void adopt(std::shared_ptr<const Object> object, std::vector<PreparedObject> parts = {});
     void make_stage(std::vector<PreparedObject> parts = {});
     void stand_scene(std::vector<PreparedObject> parts);
+    void show_scene();
     void show_hidden();
     void forget_marks(); // of another scene
     void lay_down();
     [[nodiscard]] std::optional<uint32_t> object_named(const std::string& name) const;
     [[nodiscard]] const std::string* name_on_stage(uint32_t object) const; // null for one that is not there
-    void tell_notes(std::span<const std::string> of_level = {});
+    void tell_notes();
     void leave_piece();
     void start_breaking(const WorldOptions& world);
     void take_pieces(Broken broken, PreparedPieces ahead, const WorldOptions& world);
@@ -226,9 +240,10 @@ class Session {
         std::optional<physics::BorneBlow> borne{};
     };
     std::optional<WatchedShot> watched_shot_;
-    bool moved_ = false;    // objects are drawn away from their places on the stage
-    bool play_due_ = false; // time begins once the scene is read
-    uint64_t stages_ = 0;   // number of stages so far; pieces made for an older one are dropped
+    bool moved_ = false;                   // objects are drawn away from their places on the stage
+    std::function<void()> due_;            // what the user asked for before the scene stood; or empty
+    std::vector<std::string> level_notes_; // of a level that was opened; empty once shown
+    uint64_t stages_ = 0;                  // number of stages so far; pieces made for an older one are dropped
     bool fractured_ = false;
     bool playing_ = false;
     bool single_step_ = false;

@@ -33,24 +33,23 @@ void SessionFiles::open(const std::string& path, bool repair) {
         options.strikes.clear();
     }
     session_.activity_.start("opening " + path, [this, path, options, is_recipe, from_scene,
-                                                 repair](const Worker::Cancelled&) mutable {
+                                                 repair](const Worker::Cancelled& cancelled) mutable {
         try {
             std::vector<std::string> notes;
             if (is_recipe) {
                 read_recipe(path, options);
                 notes = expand_level(options);
             }
-            auto object = Object::load(options, [this](double share) { session_.activity_.set_share(share); });
-            auto parts =
-                std::make_shared<std::vector<PreparedObject>>(parts_of(*object, session_.renderer_, options.threads));
-            session_.activity_.post([this, path, options, object, parts, is_recipe, from_scene, repair, notes] {
+            auto object = Object::open(options, cancelled);
+            session_.activity_.post([this, path, options, object, is_recipe, from_scene, repair, notes] {
                 is_recipe || from_scene ? session_.document_.apply(SetRecipe{options})
                                         : session_.document_.apply(SetMesh{path, repair});
                 session_.selected.clear();
                 session_.forget_marks();
                 if (is_recipe || from_scene) session_.recipe_file = is_recipe ? path : std::string();
-                session_.adopt(object, std::move(*parts));
-                if (!notes.empty()) session_.tell_notes(notes);
+                session_.due_ = {};
+                session_.level_notes_ = notes;
+                session_.adopt(object);
                 if (is_recipe) {
                     session_.document_.mark_saved();
                     if (opened) opened(path);
@@ -87,6 +86,10 @@ void SessionFiles::export_pieces(const std::filesystem::path& file, PiecesAs as)
     try {
         check_export_of_scene(options, settings);
         if (session_.object_->is_scene()) {
+            if (!session_.object_->is_prepared()) {
+                session_.activity_.say({"The scene is still being prepared. Export it once it is ready.", true});
+                return;
+            }
             const size_t pieces =
                 write_scene_state(settings, as, session_.object_->scene(), session_.stage_->simulation());
             session_.activity_.say({written_text(pieces, {file})});

@@ -38,18 +38,35 @@ void Session::stand_scene(std::vector<PreparedObject> parts) {
     counts_ = {static_cast<uint32_t>(stage_->simulation().piece_count()), 0, 0.0, {}, {}};
 }
 
+// The objects are drawn at their places while they are being prepared.
+void Session::show_scene() {
+    stage_->show(object_->meshes());
+    stood_.clear();
+    for (const LoadedObject& object : object_->scene().objects) stood_.push_back(object.placement);
+    show_hidden();
+    poses_.clear();
+    counts_.reset();
+}
+
 bool Session::reads() const {
     return !activity_.idle() && reads_ >= valid_reads_;
 }
 
-// Makes the stage show the recipe before time begins. Returns false while the scene is read.
+// Makes the stage show the recipe before time begins. Returns false while the scene is prepared or read; an attempt that
+// failed is repeated.
 bool Session::stand_now() {
     if (!object_->is_scene()) return true;
     if (moved_ && object_->is_prepared()) {
         valid_reads_ = reads_ + 1;
         make_stage();
     }
+    if (!object_->is_prepared() && !moved_ && !reads()) read_object();
     return !moved_ && !reads();
+}
+
+void Session::once_it_stands(const std::string& what, std::function<void()> action) {
+    due_ = std::move(action);
+    activity_.say({"The scene is still being prepared: " + what + " as soon as it is ready."});
 }
 
 // Follows an edit that changes nothing but places: the objects are drawn where the recipe puts them, and the stage is
@@ -76,10 +93,10 @@ bool Session::follow_places() {
 }
 
 // Says what is wrong with a level, then which objects of a scene cannot be broken, and why.
-void Session::tell_notes(std::span<const std::string> of_level) {
+void Session::tell_notes() {
     std::string text;
     const std::vector<std::string>& own = object_->is_scene() ? object_->scene().notes : object_->look_notes();
-    for (const std::span<const std::string> notes : {of_level, std::span<const std::string>(own)})
+    for (const std::vector<std::string>& notes : {std::exchange(level_notes_, {}), own})
         for (const std::string& note : notes) text += (text.empty() ? "" : "\n") + note;
     if (!text.empty()) activity_.say({text, true});
 }
@@ -261,6 +278,15 @@ std::optional<PieceHit> Session::first_piece(const glm::dvec3& from, const glm::
         const uint32_t member = stage_->simulation().member_of(id);
         return is_hidden(member) || (selects && is_locked(member));
     });
+}
+
+std::optional<uint32_t> Session::first_object(const glm::dvec3& from, const glm::dvec3& direction, bool selects) const {
+    if (broken()) {
+        const auto hit = first_piece(from, direction, selects);
+        return hit ? std::optional(stage_->simulation().member_of(hit->piece)) : std::nullopt;
+    }
+    return object_->object_along(from, direction,
+                                 [&](uint32_t k) { return is_hidden(k) || (selects && is_locked(k)); });
 }
 
 void Session::remove_selected() {

@@ -42,7 +42,8 @@ std::span<const uint32_t> StagePreview::idle_sites() const {
 }
 
 bool StagePreview::is_wanted() const {
-    return !session_.broken() && (session_.recipe().picture.cells || wanted || aims_at_whole());
+    if (session_.broken() || session_.object().is_scene()) return false;
+    return session_.recipe().picture.cells || wanted || aims_at_whole();
 }
 
 void StagePreview::update() {

@@ -47,6 +47,7 @@ Studio::Studio(engine::Window& window, engine::Device& device, engine::Renderer&
     : window_(window), device_(device), renderer_(renderer), session_(session), scale_(scale),
       recent_files_(Recent::usual_place("recent"), max_recent_files),
       recent_materials_(Recent::usual_place("recent_materials"), max_recent_materials) {
+    session_.activity().wake_by([&window] { window.wake(); });
     session_.files().opened = [this](const std::string& file) { add_file(recent_files_, file); };
     add_file(recent_files_, session_.recipe_file.empty() ? session_.recipe().mesh : session_.recipe_file);
     if (const std::string& save = session_.recipe().save_recipe; !save.empty()) session_.recipe_file = save;
@@ -75,7 +76,8 @@ void Studio::run() {
     while (!window_.should_close()) {
         throw_if_interrupted();
         const engine::Input& input = window_.poll(idleness_.wait());
-        const bool slow = ImGui::GetIO().WantTextInput || !session_.activity().message().text.empty();
+        const bool slow =
+            ImGui::GetIO().WantTextInput || !session_.activity().message().text.empty() || session_.only_works();
         if (!idleness_.draws(input.stirred || is_lively(), slow)) {
             last = Clock::now(); // a pause does not count as a frame
             continue;
@@ -112,7 +114,8 @@ void Studio::run() {
 }
 
 bool Studio::is_lively() const {
-    return !session_.quiet() || panels_.recording || screenshot_due_ || tools_.holds() || seen_ != &session_.object();
+    const bool still = session_.quiet() || session_.only_works();
+    return !still || panels_.recording || screenshot_due_ || tools_.holds() || seen_ != &session_.object();
 }
 
 void Studio::handle(const engine::Input& input, double seconds) {

@@ -125,11 +125,7 @@ void Tools::press(const engine::ButtonEvent& event, const Viewport& view, Sessio
         press_anchors(event, view, session);
         break;
     case Tool::hammer:
-        if (session.broken()) {
-            if (const auto hit = session.first_piece(ray.from, ray.direction)) session.strike(*hit, ray.direction);
-        } else if (const auto hit = session.object().first_hit(ray.from, ray.direction)) {
-            session.strike(hit->point, ray.direction);
-        }
+        session.strike_along(ray.from, ray.direction);
         break;
     case Tool::shoot:
         session.shoot(glm::vec3(ray.from), glm::vec3(ray.direction));
@@ -139,7 +135,7 @@ void Tools::press(const engine::ButtonEvent& event, const Viewport& view, Sessio
             drag_ = Drag::grab;
             target_ = hit->point;
             session.grab(*hit);
-        } else if (!session.broken()) {
+        } else if (!session.broken() && !session.object().is_scene()) {
             session.activity().say({"It is still whole: Space breaks it, then pieces can be grabbed."});
         }
         break;
@@ -185,10 +181,12 @@ void Tools::press_inspect(const engine::ButtonEvent& event, const Viewport& view
 
 void Tools::click_inspect(const engine::ButtonEvent& event, const Viewport& view, Session& session) const {
     const Ray ray = view.ray(event.cursor);
-    const auto hit = session.first_piece(ray.from, ray.direction, !session.playing());
+    const bool selects = !session.playing();
+    const auto hit = session.first_piece(ray.from, ray.direction, selects);
     session.piece = hit ? std::optional(hit->piece) : std::nullopt;
-    if (session.object().is_scene() && hit)
-        session.select(session.stage().simulation().member_of(hit->piece), event.modifiers.shift);
+    if (!session.object().is_scene()) return;
+    if (const auto object = session.first_object(ray.from, ray.direction, selects))
+        session.select(*object, event.modifiers.shift);
     else if (!event.modifiers.shift)
         session.selected.clear();
 }
@@ -268,7 +266,7 @@ void Tools::press_sites(const engine::ButtonEvent& event, const Viewport& view, 
 // Places a site on the surface, or with Alt in the middle of the first part of the solid that the ray passes.
 void Tools::place_site(const engine::ButtonEvent& event, const Viewport& view, Session& session) {
     const Ray ray = view.ray(event.cursor);
-    if (session.broken()) {
+    if (session.broken() || session.object().is_scene()) {
         session.activity().say({session.object().is_scene()
                                     ? "Sites are placed on one mesh: open the mesh of an object by itself."
                                     : "R makes it whole again; then sites can be placed."});
@@ -287,7 +285,7 @@ void Tools::place_site(const engine::ButtonEvent& event, const Viewport& view, S
 }
 
 void Tools::press_anchors(const engine::ButtonEvent& event, const Viewport& view, Session& session) {
-    if (session.broken()) {
+    if (session.broken() || session.object().is_scene()) {
         session.activity().say({session.object().is_scene()
                                     ? "Spots are painted on one mesh; in a scene an object is anchored by its recipe."
                                     : "R makes it whole again; then it can be anchored."});
