@@ -211,12 +211,11 @@ TEST_CASE("scene: notes, failures, progress and pieces are the same whatever num
     }
 }
 
-TEST_CASE("scene: fracture refuses a scene, and render what a scene cannot show") {
+TEST_CASE("scene: it is no input of one mesh, and render refuses what it cannot show") {
     const Folder folder;
+    CHECK_THROWS_WITH_AS((void)load_input(scene_of(R"({"mesh": "shape:cube"})")),
+                         doctest::Contains("the recipe is a scene of 1 objects"), Failure);
     const std::string scene = BRITTLE_ASSETS "/worlds/staircase.json";
-    const Outcome fracture = run_brittle(folder, "fracture -o " + folder / "x.glb" + " " + scene);
-    CHECK(fracture.exit_code == exit_usage);
-    CHECK(fracture.has("the recipe is a scene of 5 objects"));
     const std::string render = "render " + scene + " --frames 0 --size 32x32 -o " + folder / "x.png";
     CHECK(run_brittle(folder, render + " --whole").has("no picture of whole"));
     const Outcome exported = run_brittle(folder, render + " --export " + folder / "x.obj");

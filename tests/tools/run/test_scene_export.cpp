@@ -1,7 +1,9 @@
 // Export of a scene's pieces: one GLB file with a root node for each object.
 #include <algorithm>
 #include <array>
+#include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <map>
 #include <string>
 
@@ -11,6 +13,7 @@
 #include <glm/matrix.hpp>
 #include <nlohmann/json.hpp>
 
+#include "fracture/io/atomic_file.h"
 #include "fracture/io/export.h"
 #include "fracture/io/import.h"
 #include "fracture/mesh/mass_properties.h"
@@ -19,6 +22,7 @@
 #include "tests/tools/support.h"
 #include "tools/scenario/base/failure.h"
 #include "tools/scenario/recipe/recipe.h"
+#include "tools/scenario/run/broken_scene.h"
 #include "tools/scenario/run/scene.h"
 #include "tools/scenario/run/state_export.h"
 
@@ -305,4 +309,127 @@ TEST_CASE("scene export: objects, nodes and pieces of files keep their materials
     CHECK_FALSE(corners["pieces"].contains("interior"));
     CHECK(corners["shape"].size() == 1);
     CHECK(corners["shape"].contains("stone"));
+}
+
+TEST_CASE("broken scene: what cannot be broken is written whole, with a note, and other formats are refused") {
+    const Folder folder;
+    const std::string open = folder.write("open.obj", "v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 3 2\n").string();
+    folder.write("scene.json", R"({"brittle": 2, "objects": [{"name": "rug", "mesh": ")" + open + R"("},
+        {"name": "rock", "mesh": "shape:cube", "breakable": false, "translation": [0, 3, 0]},
+        {"name": "box", "mesh": "shape:cube", "translation": [3, 0, 0], "pattern": {"type": "uniform", "count": 9}}]})");
+    const std::string fracture = "fracture " + folder / "scene.json ";
+    for (const auto& [options, refusal] :
+         {std::pair("-o " + folder / "x.obj", "--output: a scene is written as one .glb file"),
+          std::pair("--per-piece -o " + folder / "x.glb", "--per-piece: a scene"),
+          std::pair(std::string("-o - --output-format ply"), "--output-format: a scene is written as glb"),
+          std::pair("--classify gpu -o " + folder / "x.glb", "--classify gpu: ")}) {
+        const Outcome refused = run_brittle(folder, fracture + options);
+        CHECK(refused.exit_code == exit_usage);
+        CHECK(refused.has(refusal));
+    }
+    CHECK_FALSE(std::filesystem::exists(folder.path / "x.glb"));
+    CHECK(run_brittle(folder, fracture + "--material glass -o " + folder / "x.glb").has("no effect on a scene"));
+
+    const Outcome made = run_brittle(folder, fracture + "--report " + folder / "r.json -o " + folder / "x.glb");
+    CAPTURE(made.output);
+    CHECK(made.exit_code == exit_success);
+    CHECK(made.has("rug stays whole and fixed"));
+    CHECK(made.has("10 of 2 objects, every one closed and oriented; 1 fixed and whole"));
+    const json report = json::parse(read_text(folder / "r.json"));
+    CHECK(report["pieces"] == 10);
+    CHECK(report["closed"] == true);
+    CHECK(report["objects"][0] == json{{"name", "rug"}, {"fixed", true}, {"sites", 0}, {"milliseconds", 0.0}});
+    CHECK(report["objects"][1]["pieces"] == 1); // rigid
+    CHECK(report["objects"][2]["pieces"] == 9);
+    CHECK(report["objects"][2]["volume_error"] < 1e-12);
+    std::map<std::string, int> pieces;
+    for (const auto& [piece, object] : objects_of(document_of(folder / "x.glb"))) ++pieces[object];
+    CHECK(pieces == std::map<std::string, int>{{"rug", 1}, {"rock", 1}, {"box", 9}});
+}
+
+TEST_CASE("broken scene: each object has the pieces of its mesh alone, at its place, by any number of threads") {
+    const Folder folder;
+    FractureOptions options;
+    read_recipe(folder.write("scene.json", R"({"brittle": 2, "objects": [)" + courtyard_in(folder) + "]}"), options);
+    std::vector<uint64_t> hashes;
+    std::vector<std::byte> bytes;
+    for (const uint32_t threads : {1u, 2u, 7u}) {
+        options.threads = threads;
+        LoadedScene scene = load_scene(with_cuts(options));
+        std::vector<double> shares;
+        const std::vector<BrokenObject> objects =
+            break_scene(scene, {}, [&](double share) { shares.push_back(share); });
+        CHECK(shares == std::vector<double>{0.25, 0.5, 0.75, 1.0});
+        CHECK(scene.notes.empty());
+        CHECK_FALSE(objects[0].certificate); // the open floor
+        std::vector<uint64_t> own;
+        for (size_t k = 1; k < objects.size(); ++k) {
+            REQUIRE(objects[k].certificate);
+            CHECK(objects[k].certificate->closed);
+            CHECK(objects[k].certificate->volume_error < 1e-12);
+            CHECK(objects[k].certificate->pieces > 3);
+            own.push_back(objects[k].certificate->hash);
+        }
+        fracture::ObjectExport file;
+        add_pieces(file, {.hulls = "unreal"}, scene, objects);
+        const std::vector<std::byte> written = *file.bytes();
+        if (hashes.empty()) {
+            hashes = own;
+            bytes = written;
+        }
+        CHECK(own == hashes);
+        CHECK(written == bytes);
+        Input vase = load_mesh_only("shape:vase");
+        SiteSet sites = sites_for(scene.objects[1].object.recipe, vase.model.mesh);
+        vase.sites = std::move(sites.sites);
+        FractureOptions alone = scene.objects[1].object.recipe;
+        alone.world.breakable = false;
+        CHECK(break_input(vase, alone).certificate.hash == own[0]);
+
+        must(fracture::write_file_atomically(folder / "pieces.glb", written));
+        const auto read = fracture::import_scene(folder / "pieces.glb");
+        REQUIRE(read);
+        double volume = 0.0;
+        fracture::Box crate{glm::dvec3(1e9), glm::dvec3(-1e9)};
+        for (const fracture::SceneNode& node : read->nodes) {
+            if (node.name.find("crate") == std::string::npos || node.name.find("UCX") != std::string::npos) continue;
+            fracture::TriangleMesh mesh = read->meshes[node.mesh].mesh;
+            for (glm::dvec3& p : mesh.positions) {
+                p = glm::dvec3(node.world * glm::dvec4(p, 1.0));
+                crate = {glm::min(crate.min, p), glm::max(crate.max, p)};
+            }
+            volume += volume_of(mesh);
+        }
+        CHECK(volume == doctest::Approx(0.6 * 0.4 * 0.6).epsilon(1e-5));
+        CHECK(glm::distance(crate.min, scene.objects[3].box.min) < 1e-5);
+        CHECK(glm::distance(crate.max, scene.objects[3].box.max) < 1e-5);
+    }
+}
+
+TEST_CASE("broken scene: standard output has the bytes of the file, and a level is broken node by node") {
+    const Folder folder;
+    const Run run(folder, courtyard_in(folder));
+    run.write(folder / "level.glb", PiecesAs::made);
+    const std::string scene = folder
+                                  .write("level.json", R"({"brittle": 2, "level": {"mesh": "level.glb",
+        "rules": [{"node": "crate*", "then": {"breakable": true, "material": "ceramic",
+                   "pattern": {"type": "uniform", "count": 7}}}]}})")
+                                  .string();
+    const Outcome made = run_brittle(folder, "fracture " + scene + " -o " + folder / "made.glb");
+    CAPTURE(made.output);
+    CHECK(made.exit_code == exit_success);
+    int crate = 0;
+    for (const auto& [piece, object] : objects_of(document_of(folder / "made.glb")))
+        crate += object.starts_with("crate");
+    CHECK(crate == 7);
+    for (const char* world : {"balcony", "courtyard", "room_with_a_view", "staircase"}) {
+        const Outcome whole = run_brittle(folder, std::string("fracture " BRITTLE_ASSETS "/worlds/") + world
+                                                      + ".json -o " + folder / "world.glb" + " --json --quiet");
+        CAPTURE(whole.output);
+        CHECK(whole.exit_code == exit_success);
+        CHECK(json::parse(whole.output)["max_volume_error"] < 1e-9);
+    }
+    const std::string streamed = BRITTLE_PROGRAM " fracture " + scene + " -o - --quiet >" + folder / "stream.glb";
+    CHECK(std::system(streamed.c_str()) == 0);
+    CHECK(read_text(folder / "stream.glb") == read_text(folder / "made.glb"));
 }

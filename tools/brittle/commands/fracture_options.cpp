@@ -7,7 +7,8 @@ namespace brittle::tools {
 
 void add_fracture(CLI::App& app, Run& run) {
     const auto command = std::make_shared<FractureCommand>();
-    CLI::App& fracture = *app.add_subcommand("fracture", "Break a mesh and write the pieces to GLB, OBJ, PLY or STL");
+    CLI::App& fracture = *app.add_subcommand(
+        "fracture", "Break a mesh, or each object of a scene, and write the pieces to GLB, OBJ, PLY or STL");
     add_fracture_options(fracture, command->fracture);
     start_group(fracture, "Mesh and recipe");
     add_format_option(fracture, command->fracture.format);
@@ -27,6 +28,7 @@ void add_fracture(CLI::App& app, Run& run) {
                     "  brittle fracture wall.stl --strike 0,1,0,0.3 --repair -o pieces.obj\n"
                     "  brittle fracture bunny.obj -n 100 --save-recipe bunny.json -o pieces.glb\n"
                     "  brittle fracture bunny.json --seed 2 -o others.glb\n"
+                    "  brittle fracture room.json -o room_in_pieces.glb\n"
                     "  curl -s https://example.org/bunny.obj | brittle fracture - -o - --quiet > pieces.glb\n"
                     "  brittle fracture bunny.obj -o pieces.glb --json | jq .volume_error");
     fracture.callback([&run, &fracture, command] {

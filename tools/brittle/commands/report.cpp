@@ -1,5 +1,6 @@
 #include "tools/brittle/commands/report.h"
 
+#include <algorithm>
 #include <cinttypes>
 #include <cstdarg>
 #include <cstdio>
@@ -84,6 +85,68 @@ std::string report_json(const Input& input, const Broken& broken, const std::str
     report["crossings"] = broken.fragments.crossings;
     report["milliseconds"] = milliseconds;
     report["recipe"] = nlohmann::ordered_json::parse(recipe);
+    return text_of(report, 2) + "\n";
+}
+
+SceneCertificate certify(std::span<const BrokenObject> objects) {
+    SceneCertificate all;
+    for (const BrokenObject& object : objects) {
+        if (!object.certificate) continue;
+        const fracture::Certificate& c = *object.certificate;
+        ++all.objects;
+        all.pieces += c.pieces;
+        all.open_pieces += c.open_pieces;
+        all.volume_input += c.volume_input;
+        all.volume_sum += c.volume_sum;
+        all.max_volume_error = std::max(all.max_volume_error, c.volume_error);
+    }
+    return all;
+}
+
+std::string report_text(const LoadedScene& scene, std::span<const BrokenObject> objects) {
+    const SceneCertificate all = certify(objects);
+    size_t triangles = 0, sites = 0, triangles_out = 0;
+    double milliseconds = 0.0;
+    for (size_t k = 0; k < objects.size(); ++k) {
+        triangles += scene.objects[k].input->model.mesh.triangles.size();
+        sites += scene.objects[k].input->sites.size();
+        triangles_out += objects[k].fragments.triangles.size();
+        milliseconds += objects[k].milliseconds;
+    }
+    const size_t fixed = objects.size() - all.objects;
+    std::string text = format("scene: %s, %zu triangles, %zu sites\n",
+                              number_of(objects.size(), " object", " objects").c_str(), triangles, sites);
+    text += format("  pieces     %zu of %s, %s%s\n", all.pieces, number_of(all.objects, " object", " objects").c_str(),
+                   all.open_pieces == 0 ? "every one closed and oriented"
+                                        : format("%zu NOT CLOSED", all.open_pieces).c_str(),
+                   fixed == 0 ? "" : format("; %zu fixed and whole", fixed).c_str());
+    text += format("  volume     %.9g in, %.9g out, relative error of an object %.1e at most\n", all.volume_input,
+                   all.volume_sum, all.max_volume_error);
+    text += format("  triangles  %zu out\n", triangles_out);
+    return text + format("  time       %.1f ms, all objects added up\n", milliseconds);
+}
+
+std::string report_json(const LoadedScene& scene, std::span<const BrokenObject> objects, const std::string& recipe) {
+    const SceneCertificate all = certify(objects);
+    nlohmann::ordered_json list = nlohmann::ordered_json::array();
+    double milliseconds = 0.0;
+    for (size_t k = 0; k < objects.size(); ++k) {
+        nlohmann::ordered_json& object = list.emplace_back();
+        object["name"] = scene.objects[k].object.name;
+        object["fixed"] = scene.objects[k].object.fixed;
+        object["sites"] = scene.objects[k].input->sites.size();
+        object["milliseconds"] = objects[k].milliseconds;
+        if (objects[k].certificate)
+            object.update(nlohmann::ordered_json::parse(fracture::certificate_json(*objects[k].certificate)));
+        milliseconds += objects[k].milliseconds;
+    }
+    const nlohmann::ordered_json report{{"objects", list},
+                                        {"pieces", all.pieces},
+                                        {"open_pieces", all.open_pieces},
+                                        {"closed", all.open_pieces == 0},
+                                        {"max_volume_error", all.max_volume_error},
+                                        {"milliseconds", milliseconds},
+                                        {"recipe", nlohmann::ordered_json::parse(recipe)}};
     return text_of(report, 2) + "\n";
 }
 

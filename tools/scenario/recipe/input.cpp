@@ -319,8 +319,8 @@ void refuse_scene(const FractureOptions& options) {
     if (!is_scene(options)) return;
     const std::string what =
         options.level.mesh.empty() ? std::to_string(options.objects.size()) + " objects" : options.level.mesh;
-    throw Failure(exit_usage,
-                  "the recipe is a scene of " + what + "; this command takes one mesh. `brittle render` draws scenes");
+    throw Failure(exit_usage, "the recipe is a scene of " + what
+                                  + "; this command takes one mesh. `brittle fracture` breaks scenes");
 }
 
 Input load_input(const FractureOptions& options, bool with_looks, const Host& host) {

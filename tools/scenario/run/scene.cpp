@@ -6,7 +6,6 @@
 #include <functional>
 #include <limits>
 #include <map>
-#include <mutex>
 #include <optional>
 #include <set>
 #include <span>
@@ -26,6 +25,7 @@
 #include "tools/scenario/recipe/level.h"
 #include "tools/scenario/recipe/recipe.h"
 #include "tools/scenario/recipe/world_json.h"
+#include "tools/scenario/run/object_loop.h"
 #include "tools/scenario/run/scene_cache.h"
 #include "tools/scenario/run/scene_glue.h"
 
@@ -37,6 +37,13 @@ using fracture::TriangleMesh;
 
 bool is_cut_at_start(const SceneObject& object) {
     return !object.fixed && !object.in_pieces && (object.recipe.world.bonded || object.shattered);
+}
+
+// The options by which an object is broken at the start: left whole unless it is bonded or shattered.
+FractureOptions start_options(const SceneObject& object) {
+    FractureOptions options = object.recipe;
+    options.world.breakable = object.in_pieces || !object.shattered;
+    return options;
 }
 
 // Equal for objects whose meshes, and sites where they are cut at the start, are equal.
@@ -131,20 +138,6 @@ Input make_input(const SceneObject& object, FileMesh from, const Loading& loadin
         input.weights = std::move(set.weights);
     }
     return input;
-}
-
-// Turns an object whose mesh cannot be broken into a fixed one.
-void fix(SceneObject& object) {
-    object.fixed = true;
-    object.shattered = false;
-    object.in_pieces = false;
-    WorldOptions& world = object.recipe.world;
-    world.bonded = world.anchored = false;
-    world.anchors.clear();
-}
-
-std::string note_of(const SceneObject& object, const std::string& fault) {
-    return fracture::printable(object.name) + " stays whole and fixed: " + fault;
 }
 
 // Reads the meshes of a scene and makes them ready, each once: the files one after another, the rest side by side.
@@ -299,6 +292,19 @@ void place(LoadedObject& object, const ObjectPlacement& placement) {
     object.box = box_in_world(object.input->model.mesh, object.placement);
 }
 
+void fix(SceneObject& object) {
+    object.fixed = true;
+    object.shattered = false;
+    object.in_pieces = false;
+    WorldOptions& world = object.recipe.world;
+    world.bonded = world.anchored = false;
+    world.anchors.clear();
+}
+
+std::string note_of(const SceneObject& object, const std::string& fault) {
+    return fracture::printable(object.name) + " stays whole and fixed: " + fault;
+}
+
 void find_home(LoadedScene& scene) {
     scene.home = home_of(scene.objects);
 }
@@ -347,25 +353,23 @@ LoadedScene load_scene(const FractureOptions& scene, const Host& host, SceneCach
     return loaded;
 }
 
-namespace {
-
-// The pieces of an object; those of a file are bonded where they touch.
-fracture::Fragments fragments_of(const LoadedObject& loaded, FractureOptions options) {
-    if (!loaded.object.in_pieces) return break_input(*loaded.input, options).fragments;
+Broken break_object(const LoadedObject& loaded, uint32_t threads) {
+    const SceneObject& object = loaded.object;
+    FractureOptions options = start_options(object);
+    options.threads = threads;
+    if (!object.in_pieces) return break_input(*loaded.input, options);
     options.world.bonded = false;
-    fracture::Fragments fragments = break_input(*loaded.input, options).fragments;
-    fragments.bonds = must(fracture::find_contacts(fragments, {.tolerance = loaded.object.contact_tolerance}));
-    return fragments;
+    Broken broken = break_input(*loaded.input, options);
+    broken.fragments.bonds = must(fracture::find_contacts(broken.fragments, {.tolerance = object.contact_tolerance}));
+    return broken;
 }
+
+namespace {
 
 PreparedObject prepare_object(const LoadedObject& loaded, const DrawingMaker& payload, uint32_t threads) {
     const SceneObject& object = loaded.object;
-    FractureOptions options = object.recipe;
-    options.threads = threads;
-    // Whether the fracture leaves the object whole: one that is not bonded, or the parts of one in pieces.
-    options.world.breakable = object.in_pieces || !object.shattered;
     PreparedObject made{.name = object.name,
-                        .world = world_of(options, loaded.input->scale),
+                        .world = world_of(start_options(object), loaded.input->scale),
                         .material = object.recipe.material,
                         .rigid = !object.recipe.world.breakable,
                         .looks = loaded.input->looks,
@@ -374,7 +378,7 @@ PreparedObject prepare_object(const LoadedObject& loaded, const DrawingMaker& pa
     if (object.fixed)
         made.surface = {loaded.input, &loaded.input->model.mesh};
     else
-        made.fragments = std::make_shared<const fracture::Fragments>(fragments_of(loaded, options));
+        made.fragments = std::make_shared<const fracture::Fragments>(break_object(loaded, threads).fragments);
     prepare(made, payload, threads);
     return made;
 }
@@ -383,7 +387,6 @@ PreparedObject prepare_object(const LoadedObject& loaded, const DrawingMaker& pa
 struct Work {
     size_t like = 0; // the object whose solids it shares: itself, or an earlier one
     std::optional<PreparedObject> made{};
-    std::optional<Failure> failure{};
     std::string fault{}; // why it cannot be cut, so that it became fixed
 };
 
@@ -429,12 +432,6 @@ std::vector<Work> work_of(const LoadedScene& scene) {
     return work;
 }
 
-// Triangles to prepare; a site takes about as long as fifty.
-size_t cost_of(const LoadedObject& loaded) {
-    constexpr size_t triangles_per_site = 50;
-    return loaded.input->model.mesh.triangles.size() + triangles_per_site * loaded.input->sites.size();
-}
-
 } // namespace
 
 std::vector<PreparedObject> prepare_scene(LoadedScene& scene, const Host& host, const DrawingMaker& payload,
@@ -443,8 +440,7 @@ std::vector<PreparedObject> prepare_scene(LoadedScene& scene, const Host& host, 
     using Key = std::pair<std::shared_ptr<const Input>, std::string>;
     std::vector<Key> keys(work.size()); // of originals
     std::vector<const PreparedOnce*> known(work.size());
-    std::vector<size_t> originals, copies;
-    size_t cost = 0;
+    std::vector<size_t> originals, unknown, copies;
     for (size_t k = 0; k < work.size(); ++k) {
         const bool is_original = work[k].like == k;
         (is_original ? originals : copies).push_back(k);
@@ -452,40 +448,20 @@ std::vector<PreparedObject> prepare_scene(LoadedScene& scene, const Host& host, 
             keys[k] = {scene.objects[k].input, prepared_key(scene.objects[k].object)}; // before it is found unbreakable
             known[k] = cache->prepared.find(keys[k]);
         }
-        if (is_original && !known[k]) cost += cost_of(scene.objects[k]);
+        if (is_original && !known[k]) unknown.push_back(k);
     }
-    fracture::Threads pool(scene.threads);
-    std::mutex reporting;
-    size_t done = 0;
-    // Objects side by side. A failure is kept, so that the first object in the scene's order reports its own.
-    const auto for_each = [&](const std::vector<size_t>& objects, const auto& body) {
-        pool.for_each(static_cast<uint32_t>(objects.size()), [&](uint32_t n) {
-            const size_t k = objects[n];
-            throw_if_cancelled(host);
-            try {
-                body(k);
-            } catch (const Failure& failure) {
-                work[k].failure = failure;
-            }
-            const std::lock_guard lock(reporting);
-            if (progress) progress(static_cast<double>(++done) / static_cast<double>(work.size()));
-        });
-        for (const size_t k : objects)
-            if (const std::optional<Failure>& failure = work[k].failure)
-                throw failure->at("object " + scene.objects[k].object.name);
-    };
-    for_each(originals, [&](size_t k) {
+    ObjectLoop loop(scene, host, progress, work.size());
+    loop.share_among(unknown);
+    loop.run(originals, [&](size_t k) {
         if (known[k]) return take_prepared(*known[k], scene.objects[k], payload, work[k]);
-        // All threads help with an object that is more than a thread's share.
-        const bool is_large = cost_of(scene.objects[k]) > cost / pool.count();
-        prepare_or_fix(scene.objects[k], payload, is_large ? pool.count() : 1, work[k]);
+        prepare_or_fix(scene.objects[k], payload, loop.threads_for(k), work[k]);
     });
     if (cache) {
         for (const size_t k : originals)
             if (!known[k]) cache->prepared.add(keys[k], {copy_of(*work[k].made), work[k].fault});
         cache->prepared.end_round();
     }
-    for_each(copies, [&](size_t k) { copy_prepared(*work[work[k].like].made, scene.objects[k], work[k]); });
+    loop.run(copies, [&](size_t k) { copy_prepared(*work[work[k].like].made, scene.objects[k], work[k]); });
     std::vector<PreparedObject> objects;
     for (size_t k = 0; k < work.size(); ++k) {
         if (!work[k].fault.empty()) scene.notes.push_back(note_of(scene.objects[k].object, work[k].fault));

@@ -63,6 +63,15 @@ void place(LoadedObject& object, const ObjectPlacement& placement);
 // Sets `home` once objects have been placed.
 void find_home(LoadedScene& scene);
 
+// Turns an object whose mesh cannot be broken into a fixed one.
+void fix(SceneObject& object);
+// A note about such an object, for people.
+[[nodiscard]] std::string note_of(const SceneObject& object, const std::string& fault);
+
+// The pieces with which an object that is not fixed starts: its whole parts, those that its sites make, or those of its
+// file, bonded where they touch. On any thread. Throws a Failure.
+[[nodiscard]] Broken break_object(const LoadedObject& object, uint32_t threads);
+
 // Breaks and prepares the objects, side by side; the result is in their order, and the same for any number of threads.
 // An object that cannot be cut becomes fixed, with a note in the scene. The host and `payload` are called from any thread, `progress`
 // by one at a time with rising shares up to 1. Throws a Failure: that of the first object that cannot be prepared.

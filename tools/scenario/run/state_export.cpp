@@ -168,12 +168,6 @@ std::vector<std::vector<fracture::TriangleMesh>> hulls_of(const Snapshot& state,
     return hulls;
 }
 
-// The pose of a piece that lies where it was cut.
-fracture::PiecePose made_pose(const physics::Pose& placement, const glm::dvec3& centre_of_mass) {
-    const glm::dquat turn = glm::normalize(glm::dquat(placement.orientation));
-    return {glm::dvec3(placement.position) + turn * centre_of_mass, turn};
-}
-
 // Checks that the source has all triangles that the exterior triangles of the pieces refer to for their looks.
 void check_source(const fracture::Fragments& fragments, const Input& source) {
     for (const fracture::Piece& piece : fragments.pieces)
@@ -258,10 +252,19 @@ size_t write_scene_state(const ExportSettings& settings, PiecesAs as, const Load
     return pieces;
 }
 
-void check_export_of_scene(const FractureOptions& recipe, const ExportSettings& settings) {
-    if (!is_scene(recipe) || settings.output.empty()) return;
+fracture::PiecePose made_pose(const physics::Pose& placement, const glm::dvec3& centre_of_mass) {
+    const glm::dquat turn = glm::normalize(glm::dquat(placement.orientation));
+    return {glm::dvec3(placement.position) + turn * centre_of_mass, turn};
+}
+
+void check_export_of_scene(const FractureOptions& recipe, const ExportSettings& settings,
+                           const std::string& output_option) {
+    if (!is_scene(recipe)) return;
+    if (!settings.stream.empty() && settings.stream != "glb")
+        throw Failure(exit_usage, "--output-format: a scene is written as glb, not as " + settings.stream);
+    if (settings.output.empty()) return;
     if (!settings.output.ends_with(".glb"))
-        throw Failure(exit_usage, "--export: a scene is written as one .glb file, not as " + settings.output);
+        throw Failure(exit_usage, output_option + ": a scene is written as one .glb file, not as " + settings.output);
     if (settings.per_piece) throw Failure(exit_usage, "--per-piece: a scene is written as one file");
 }
 

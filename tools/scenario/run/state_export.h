@@ -74,8 +74,13 @@ std::vector<std::filesystem::path> write_state(const ExportSettings& settings, P
 size_t write_scene_state(const ExportSettings& settings, PiecesAs as, const LoadedScene& scene,
                          const Simulation& simulation);
 
+// The pose of a piece that lies where it was cut, in the world of its object.
+[[nodiscard]] fracture::PiecePose made_pose(const physics::Pose& placement, const glm::dvec3& centre_of_mass);
+
 // Throws a Failure with exit_usage where a scene is to be exported to another format than GLB, or piece by piece.
-void check_export_of_scene(const FractureOptions& recipe, const ExportSettings& settings);
+// `output_option`: that of the file.
+void check_export_of_scene(const FractureOptions& recipe, const ExportSettings& settings,
+                           const std::string& output_option = "--export");
 
 // Returns a text for people: "57 pieces in rubble.glb", "... and 56 more".
 [[nodiscard]] std::string written_text(size_t pieces, const std::vector<std::filesystem::path>& files);
