@@ -4,8 +4,11 @@
 #include <atomic>
 #include <cassert>
 #include <chrono>
+#include <condition_variable>
 #include <exception>
+#include <functional>
 #include <mutex>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -24,16 +27,81 @@ constexpr uint32_t chunks_per_thread = 4;
 constexpr uint32_t max_threads = 256;
 
 #if !defined(BRITTLE_USES_TBB)
-// Threads of one loop, in place of TBB. Chunks are the same, so results are.
+// The workers of all loops, in place of TBB. A loop starts those that it lacks, and they stay: threads that were made for
+// each loop would cost as much as a short loop, and in a browser a thread cannot start while its maker waits for it.
+class Workers {
+  public:
+    // Never destroyed: the workers wait in it until the process ends.
+    static Workers& shared() {
+        static auto* const workers = new Workers;
+        return *workers;
+    }
+
+    // Calls work(0) on this thread and meanwhile work(1) to work(helpers), each on a worker that is free; those for which no
+    // worker is free in time are left out. Returns when all calls have. At least one helper; the work must not throw.
+    void run(uint32_t helpers, const std::function<void(uint32_t)>& work) {
+        assert(helpers >= 1 && helpers < max_threads);
+        Job job{work, helpers};
+        {
+            const std::lock_guard lock(mutex_);
+            start(helpers);
+            jobs_.push_back(&job);
+        }
+        for (uint32_t k = 0; k < helpers; ++k) wake_.notify_one();
+        work(0);
+        std::unique_lock lock(mutex_);
+        std::erase(jobs_, &job);
+        done_.wait(lock, [&] { return job.running == 0; });
+    }
+
+  private:
+    struct Job {
+        const std::function<void(uint32_t)>& work;
+        uint32_t helpers;     // how many workers may join
+        uint32_t joined = 0;  // how many have
+        uint32_t running = 0; // how many have not returned
+    };
+
+    void start(uint32_t count) {
+        try {
+            for (; free_ < count && !exhausted_; ++free_) std::thread(&Workers::serve, this).detach();
+        } catch (const std::system_error&) {
+            exhausted_ = true; // the system gives no more threads: loops run on those that there are
+        }
+    }
+
+    void serve() {
+        std::unique_lock lock(mutex_);
+        for (;;) {
+            wake_.wait(lock, [&] { return !jobs_.empty(); });
+            Job& job = *jobs_.front();
+            const uint32_t thread = ++job.joined;
+            if (thread == job.helpers) jobs_.erase(jobs_.begin());
+            ++job.running;
+            --free_;
+            lock.unlock();
+            job.work(thread);
+            lock.lock();
+            ++free_;
+            if (--job.running == 0) done_.notify_all();
+        }
+    }
+
+    std::mutex mutex_;
+    std::condition_variable wake_, done_;
+    std::vector<Job*> jobs_; // those that more workers may join, the oldest first
+    uint32_t free_ = 0;      // workers that run no job
+    bool exhausted_ = false;
+};
+
+// Chunks are the same as with TBB, so results are.
 template<class Body>
 void parallel(uint32_t threads, uint32_t count, const Body& body) {
     std::atomic<uint32_t> next = 0;
-    std::vector<std::jthread> workers;
-    for (uint32_t t = 0; t < threads; ++t) {
-        workers.emplace_back([&, t] {
-            for (uint32_t k = next++; k < count; k = next++) body(k, t);
-        });
-    }
+    const auto work = [&](uint32_t thread) {
+        for (uint32_t k = next++; k < count; k = next++) body(k, thread);
+    };
+    Workers::shared().run(threads - 1, std::ref(work));
 }
 #endif
 
@@ -76,7 +144,7 @@ struct Threads::Arena {
     explicit Arena(uint32_t threads) : arena(static_cast<int>(threads)) {}
     tbb::task_arena arena;
 #else
-    explicit Arena(uint32_t) {} // threads are made for each loop
+    explicit Arena(uint32_t) {} // loops share their workers
 #endif
 };
 
@@ -120,7 +188,7 @@ void Threads::log_to(WorkLog* log) {
 
 template<class Body>
 void Threads::each_chunk(uint32_t count, const Body& body) {
-    if (count == 1 || !arena_) {
+    if (count <= 1 || !arena_) {
         for (uint32_t k = 0; k < count; ++k) body(k, 0u);
         return;
     }
