@@ -5,6 +5,7 @@
 #include <string>
 
 #include <emscripten.h>
+#include <emscripten/threading.h>
 #include <nlohmann/json.hpp>
 
 #include "bindings/c/brittle.h"
@@ -89,7 +90,7 @@ WEB_API brittle_mesh* web_mesh_repair(const brittle_mesh* mesh) {
         [&](brittle_mesh** out) { return brittle_mesh_repair(mesh, nullptr, out, nullptr, &last); });
 }
 WEB_API brittle_mesh* web_mesh_unite(const brittle_mesh* mesh) {
-    return made<brittle_mesh>([&](brittle_mesh** out) { return brittle_mesh_unite(mesh, 1, out, nullptr, &last); });
+    return made<brittle_mesh>([&](brittle_mesh** out) { return brittle_mesh_unite(mesh, 0, out, nullptr, &last); });
 }
 WEB_API const char* web_mesh_inspect(const brittle_mesh* mesh) {
     brittle_inspection found{};
@@ -137,9 +138,10 @@ WEB_API brittle_pieces* web_fracture(const brittle_mesh* mesh, const char* setti
     brittle_pattern_init(&pattern, sizeof pattern);
     brittle_fracture_settings cut;
     brittle_fracture_settings_init(&cut, sizeof cut);
-    cut.threads = 1;
+    cut.threads = 0; // as many as init() was given, see threads_library.js
     cut.progress = [](void*, double share) { web_tell(share); };
-    cut.cancelled = [](void*) -> int32_t { return web_tell(-1.0); };
+    // Only the thread of the caller has its functions.
+    cut.cancelled = [](void*) -> int32_t { return emscripten_is_main_runtime_thread() ? web_tell(-1.0) : 0; };
     std::string kind = "uniform";
     if (const auto material = json.find("material"); material != json.end() && material->is_string()) {
         brittle_material stuff{};

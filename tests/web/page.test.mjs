@@ -16,13 +16,19 @@ const WEBGL = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swi
 const WAIT = { timeout: 60_000 };
 
 fs.mkdirSync(PICTURES, { recursive: true });
-const server = spawn("node", ["bindings/web/page/serve.mjs", "build/web", "build/web/page", "0"], { cwd: ROOT, stdio: ["ignore", "pipe", "inherit"] });
-const address = await new Promise((resolve) => server.stdout.once("data", (text) => resolve(String(text).trim())));
+const servers = [];
+/** Serves the page; with `--not-isolated` without the headers that let it have threads. */
+async function serve(...options) {
+    const server = spawn("node", ["bindings/web/page/serve.mjs", "build/web", "build/web/page", "0", ...options], { cwd: ROOT, stdio: ["ignore", "pipe", "inherit"] });
+    servers.push(server);
+    return new Promise((resolve) => server.stdout.once("data", (text) => resolve(String(text).trim())));
+}
+const address = await serve(), plain = await serve("--not-isolated");
 const launch = (args) => chromium.launch({ executablePath: "/usr/bin/chromium", args: ["--no-sandbox", "--disable-dev-shm-usage", ...args] });
 const browser = await launch(WEBGL);
 test.after(async () => {
     await browser.close();
-    server.kill();
+    for (const server of servers) server.kill();
 });
 
 /** Opens the page, waits until a model stands there, and fails on any error of its scripts. */
@@ -439,36 +445,49 @@ test("textures of a .gltf file and colours of vertices are shown", async () => {
     await page.leave();
 });
 
-test("the page works without a network after the first visit", async () => {
-    const context = await browser.newContext({ viewport: { width: 960, height: 640 } }), page = await context.newPage();
-    await page.goto(address);
-    await page.waitForSelector("body[data-opened]", WAIT);
-    await page.evaluate(() => navigator.serviceWorker.ready);
-    await page.waitForFunction(() => navigator.serviceWorker.controller !== null, undefined, WAIT);
-    await context.setOffline(true);
-    // Another link in the same tab loads the page again.
-    await Promise.all([page.waitForEvent("load"), page.evaluate(() => location.hash = "model=bunny")]);
-    await page.waitForSelector("body[data-opened]", WAIT);
-    await page.mouse.click(300, 360);
-    assert.equal((await broken(page)).closed, "all");
-    await context.close();
-});
+for (const isolated of [true, false]) {
+    test(`the page works without a network after the first visit, ${isolated ? "with threads" : "not isolated, with one thread"}`, async () => {
+        const context = await browser.newContext({ viewport: { width: 960, height: 640 } }), page = await context.newPage();
+        const modules = [];
+        page.on("request", (request) => request.url().includes("brittle_wasm") && request.url().endsWith(".wasm") && modules.push(path.basename(request.url())));
+        await page.goto(isolated ? address : plain);
+        await page.waitForSelector("body[data-opened]", WAIT);
+        // One core has no use for threads.
+        const used = isolated && await page.evaluate(() => navigator.hardwareConcurrency > 1) ? "brittle_wasm_threads.wasm" : "brittle_wasm.wasm";
+        assert.deepEqual(modules, [used]);
+        await page.evaluate(() => navigator.serviceWorker.ready);
+        await page.waitForFunction(() => navigator.serviceWorker.controller !== null, undefined, WAIT);
+        const kept = await page.evaluate(async () => {
+            const cache = await caches.open((await caches.keys())[0]);
+            return (await cache.keys()).map(({ url }) => url.split("/").pop()).filter((name) => /^brittle_wasm.*wasm$/.test(name));
+        });
+        assert.deepEqual(kept, [used]);
+        await context.setOffline(true);
+        // Another link in the same tab loads the page again.
+        await Promise.all([page.waitForEvent("load"), page.evaluate(() => location.hash = "model=bunny")]);
+        await page.waitForSelector("body[data-opened]", WAIT);
+        assert.equal(await page.evaluate(() => crossOriginIsolated), isolated);
+        await page.mouse.click(300, 360);
+        assert.equal((await broken(page)).closed, "all");
+        await context.close();
+    });
+}
 
 test("without WebGL the page says what is missing", async () => {
-    const plain = await launch(["--disable-gpu", "--disable-webgl", "--disable-3d-apis"]);
+    const bare = await launch(["--disable-gpu", "--disable-webgl", "--disable-3d-apis"]);
     try {
-        const page = await plain.newPage();
+        const page = await bare.newPage();
         await page.goto(address);
         await page.waitForSelector('body[data-state="failed"]', WAIT);
         assert.match(await page.locator(".fatal").innerText(), /WebGL 2.*hardware acceleration/s);
     } finally {
-        await plain.close();
+        await bare.close();
     }
 });
 
 test("without the library the page says what is missing", async () => {
     const page = await browser.newPage();
-    await page.route("**/brittle_wasm.wasm", (route) => route.abort());
+    await page.route("**/brittle_wasm*.wasm", (route) => route.abort());
     await page.goto(`${address}?fixed`);
     await page.waitForSelector('body[data-state="failed"]', WAIT);
     assert.match(await page.locator(".fatal").innerText(), /did not start.*SIMD/s);
@@ -483,7 +502,7 @@ test("the library gives the hashes of the command line in Chromium", async () =>
         const worker = new Worker("worker.js", { type: "module" });
         const bytes = new Uint8Array(await (await fetch("models/bunny.obj")).arrayBuffer());
         worker.onmessage = ({ data }) => { if (data.call === 2 && data.value) document.body.dataset.hash = data.value.certificate.hash; };
-        worker.postMessage({ call: 1, work: "load", id: 1, bytes, extension: ".obj" });
+        worker.postMessage({ call: 1, work: "load", id: 1, bytes, extension: ".obj", threads: "auto" });
         worker.postMessage({ call: 2, work: "fracture", of: 1, settings: { sites: 100 }, want: {} });` });
     await page.waitForSelector("body[data-hash]", WAIT);
     assert.equal(await page.evaluate(() => document.body.dataset.hash), /^ *hash +([0-9a-f]{16})/m.exec(printed)[1]);

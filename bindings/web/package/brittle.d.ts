@@ -185,8 +185,18 @@ export class Fracture extends Pieces {
     dispose(): void;
 }
 
-/** Loads the library. The other functions do it when they are called; `new Mesh()` needs it. */
-export function init(): Promise<void>;
+/** A number from 1 to 64; "auto" is one thread a core, 8 at most, and one where threads are not possible. */
+export type ThreadCount = number | "auto";
+
+/**
+ * Loads the library. The other functions do it when they are called; `new Mesh()` needs it. `threads`: 1 if left out. More
+ * than one needs shared memory: node, or a worker of a page that is cross-origin isolated, which a server makes it by the
+ * headers `Cross-Origin-Opener-Policy: same-origin` and `Cross-Origin-Embedder-Policy: require-corp`. Pieces are the same.
+ * The first call decides.
+ */
+export function init(options?: { threads?: ThreadCount }): Promise<void>;
+/** The number of threads that the library uses. Needs init(). */
+export function threads(): number;
 
 export interface MaterialProperties {
     /** kg/m^3 */

@@ -3,29 +3,97 @@
 import start from "./brittle_wasm.mjs";
 import { BrittleError } from "./error.js";
 import { ARRAYS, Pieces } from "./pieces.js";
+import { autoThreads, checkThreads } from "./threads.js";
 
 export { BrittleError, Pieces };
 
+const IN_NODE = typeof process === "object" && Boolean(process.versions?.node);
+
 let module = null;
 let starting = null;
+let asked = 1; // what the first init() was given
+let running = 1;
 
-/** Loads the library. Everything else waits for it or needs it. */
-export function init() {
-    starting ??= (async () => {
-        const options = {};
-        if (typeof process === "object" && process.versions?.node) {
-            const fs = await import("node:fs/promises");
-            options.wasmBinary = await fs.readFile(new URL("./brittle_wasm.wasm", import.meta.url));
-        }
-        module = await start(options);
-    })();
+/** Loads the library, with one thread or more. Everything else waits for it or needs it. */
+export async function init(options = {}) {
+    const { threads, ...unknown } = options;
+    for (const name of Object.keys(unknown)) throw new BrittleError("invalid_setting", `init() has no option ${name}; it has threads`);
+    if (threads !== undefined) {
+        checkThreads(threads);
+        if (threads !== 1 && threads !== "auto" && globalThis.window)
+            throw new BrittleError("invalid_argument", "a page cannot wait for threads: with more than one thread, use the library in a worker, "
+                + "by BrittleWorker of brittle-fracture/worker");
+        if (starting && threads !== asked)
+            throw new BrittleError("invalid_argument", `the library was loaded with threads ${asked}, and cannot change to ${threads}; `
+                + "call init() before everything else");
+    }
+    if (!starting) {
+        asked = threads ?? 1;
+        starting = startModule();
+    }
     return starting;
+}
+
+async function startModule() {
+    const wanted = asked === "auto" ? await autoThreads() : asked;
+    if (wanted > 1) {
+        try {
+            module = await startThreads(wanted);
+            running = wanted;
+            return;
+        } catch (error) {
+            if (asked !== "auto") throw error; // no room for workers, for example
+        }
+    }
+    module = await start(await surroundings("brittle_wasm.wasm"));
+}
+
+/** Options of the module: its machine code, where it cannot be fetched. */
+async function surroundings(file) {
+    return IN_NODE ? { wasmBinary: await (await import("node:fs/promises")).readFile(new URL(file, import.meta.url)) } : {};
+}
+
+async function startThreads(threads) {
+    const { default: start } = await import("./brittle_wasm_threads.mjs");
+    const node = IN_NODE ? await import("node:worker_threads") : null, workers = [];
+    let fail;
+    const failed = new Promise((_, reject) => fail = (error) => reject(new BrittleError("internal_error",
+        `a thread did not start: ${error.message ?? "its script thread.js could not be loaded"}`)));
+    const newThread = () => {
+        const worker = node ? new node.Worker(new URL("./thread.js", import.meta.url))
+            : new Worker(new URL("./thread.js", import.meta.url), { type: "module" });
+        if (node) {
+            worker.on("message", (data) => worker.onmessage({ data }));
+            worker.on("error", fail);
+        } else {
+            worker.addEventListener("error", fail);
+        }
+        workers.push(worker);
+        return worker;
+    };
+    try {
+        const started = await Promise.race([start({ ...await surroundings("brittle_wasm_threads.wasm"), threads, newThread }), failed]);
+        for (const worker of workers) worker.unref?.(); // node ends when only they are left
+        return started;
+    } catch (error) {
+        for (const worker of workers) worker.terminate();
+        throw error;
+    }
+}
+
+/** The number of threads that the library uses. */
+export function threads() {
+    need();
+    return running;
 }
 
 function need() {
     if (!module) throw new BrittleError("invalid_argument", "the library is not loaded; await init() first");
     return module;
 }
+
+/** The memory of the library as it is now: another thread may have made it larger. */
+const memory = () => module.wasmMemory ? module.wasmMemory.buffer : module.HEAPU8.buffer;
 
 function refusal() {
     return new BrittleError(module.UTF8ToString(module._web_status()), module.UTF8ToString(module._web_message()));
@@ -45,7 +113,7 @@ function scoped(work) {
             room: allocate,
             bytes(array) {
                 const view = new Uint8Array(array.buffer, array.byteOffset, array.byteLength), at = allocate(view.length);
-                m.HEAPU8.set(view, at);
+                new Uint8Array(memory()).set(view, at);
                 return at;
             },
             text(string) {
@@ -89,13 +157,13 @@ function array(name, ...given) {
     return scoped(({ room }) => {
         const at = room(20);
         if (!m[name](...given, at)) throw refusal();
-        const [data, rows, columns, stride, type] = new Uint32Array(m.HEAPU8.buffer, at, 5);
+        const [data, rows, columns, stride, type] = new Uint32Array(memory(), at, 5);
         const Type = TYPES[type], out = new Type(rows * columns), size = Type.BYTES_PER_ELEMENT;
         if (stride === columns * size) {
-            out.set(new Type(m.HEAPU8.buffer, data, out.length));
+            out.set(new Type(memory(), data, out.length));
         } else {
             for (let row = 0; row < rows; ++row)
-                out.set(new Type(m.HEAPU8.buffer, data + row * stride, columns), row * columns);
+                out.set(new Type(memory(), data + row * stride, columns), row * columns);
         }
         return out;
     });
@@ -215,8 +283,8 @@ export class Fracture extends Pieces {
             return scoped(({ room }) => {
                 const at = room(8);
                 if (!m._web_file(handle.address, at)) throw refusal();
-                const [data, size] = new Uint32Array(m.HEAPU8.buffer, at, 2);
-                return m.HEAPU8.slice(data, data + size);
+                const [data, size] = new Uint32Array(memory(), at, 2);
+                return new Uint8Array(memory()).slice(data, data + size);
             });
         } finally {
             handle.dispose();
@@ -236,7 +304,7 @@ function joinedSurfaces(pieces, count) {
                 const [material, interior] = scoped(({ room }) => {
                     const at = room(8);
                     if (!m._web_surface_part(handle.address, part, at)) throw refusal();
-                    return new Uint32Array(m.HEAPU8.slice(at, at + 8).buffer);
+                    return new Uint32Array(memory(), at, 2).slice();
                 });
                 const [positions, normals, uv, triangles, vertices] =
                     [1, 2, 3, 6, 7].map((which) => array("_web_surface_array", handle.address, part, which));
@@ -320,7 +388,8 @@ export async function materials() {
 
 /** Bytes of memory that the library holds. They grow as needed, and never shrink. */
 export function heapBytes() {
-    return need().HEAPU8.length;
+    need();
+    return memory().byteLength;
 }
 
 /** The version of the library. */

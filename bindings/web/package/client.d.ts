@@ -7,7 +7,7 @@
  *
  * Calls are done one after another. Bundlers find the worker by `new URL("./worker.js", import.meta.url)`.
  */
-import type { FractureSettings, Inspection, Material, MaterialProperties, MeshArrays, Pieces } from "./brittle.js";
+import type { FractureSettings, Inspection, Material, MaterialProperties, MeshArrays, Pieces, ThreadCount } from "./brittle.js";
 
 /** A mesh in the worker. */
 export interface RemoteMesh {
@@ -30,6 +30,10 @@ export interface WorkerControl {
 }
 
 export class BrittleWorker {
+    /** threads: of the library there, 1 if left out; see init(). */
+    constructor(options?: { threads?: ThreadCount });
+    /** The number of threads that the library uses there. */
+    threads(): Promise<number>;
     /** The bytes must not change afterwards. */
     load(bytes: ArrayBuffer | Uint8Array, extension: string, control?: { signal?: AbortSignal }): Promise<RemoteMesh>;
     shape(name: string): Promise<RemoteMesh>;

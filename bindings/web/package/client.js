@@ -1,6 +1,7 @@
 // The library in a worker: see client.d.ts. The calling thread only sends and receives arrays.
 import { BrittleError } from "./error.js";
 import { Pieces } from "./pieces.js";
+import { checkThreads, sharesMemory } from "./threads.js";
 
 /** What calls in flight meet when their worker was replaced: they begin again. */
 const RESTARTED = Symbol("restarted");
@@ -26,7 +27,17 @@ export class BrittleWorker {
     #calls = 0;
     #waiting = new Map();
     #disposed = false;
+    #threads;
 
+    constructor(options = {}) {
+        const { threads = 1, ...unknown } = options;
+        for (const name of Object.keys(unknown)) throw new BrittleError("invalid_setting", `BrittleWorker has no option ${name}; it has threads`);
+        checkThreads(threads);
+        this.#threads = threads;
+    }
+
+    /** How many threads the library uses there. */
+    threads() { return this.call("threads", {}); }
     load(bytes, extension, { signal } = {}) {
         return this.make({ work: "load", bytes: new Uint8Array(bytes), extension }, signal);
     }
@@ -35,8 +46,7 @@ export class BrittleWorker {
     mesh(positions, triangles, options = {}) { return this.make({ work: "arrays", positions, triangles, options }); }
 
     async fracture(mesh, settings = {}, { signal, onProgress, surfaces = true, hulls = null } = {}) {
-        const flag = globalThis.crossOriginIsolated || !globalThis.window && typeof SharedArrayBuffer === "function"
-            ? new Int32Array(new SharedArrayBuffer(4)) : null;
+        const flag = sharesMemory() ? new Int32Array(new SharedArrayBuffer(4)) : null;
         const values = { of: mesh, settings, want: { surfaces, hulls }, flag };
         const data = await this.#abortable(signal, flag, () => this.call("fracture", values, { onProgress, signal }));
         return Object.assign(new Pieces(data), { milliseconds: data.milliseconds });
@@ -148,7 +158,7 @@ export class BrittleWorker {
         return new Promise((resolve, reject) => {
             this.#waiting.set(call, { resolve, reject, onProgress });
             if (this.#waiting.size === 1) worker.ref?.();
-            worker.postMessage({ ...message, call });
+            worker.postMessage({ ...message, call, threads: this.#threads });
         }).finally(() => {
             if (this.#waiting.size === 0) worker.unref?.();
         });

@@ -1,5 +1,5 @@
 // The side of the worker: answers the calls of client.js, one after another.
-import { Mesh, fracture, init, load, materials, shape } from "./brittle.js";
+import { Mesh, fracture, init, load, materials, shape, threads } from "./brittle.js";
 
 const port = typeof self === "object" && self.postMessage ? self : (await import("node:worker_threads")).parentPort;
 const meshes = new Map();
@@ -7,8 +7,8 @@ const meshes = new Map();
 const WORK = {
     async load({ id, bytes, extension }) { meshes.set(id, await load(bytes, extension)); },
     async shape({ id, name }) { meshes.set(id, await shape(name)); },
+    async threads() { return [threads()]; },
     async arrays({ id, positions, triangles, options }) {
-        await init();
         meshes.set(id, new Mesh(positions, triangles, options));
     },
     async repair({ id, of }) { meshes.set(id, meshes.get(of).repair()); },
@@ -52,14 +52,18 @@ const WORK = {
     },
 };
 
+let ready = null; // the first message says with how many threads
 let last = Promise.resolve();
 const answer = (message) => {
     last = last.then(async () => {
         try {
+            await (ready ??= init({ threads: message.threads ?? 1 }));
             const [value, buffers = []] = await WORK[message.work](message) ?? [];
             port.postMessage({ call: message.call, value }, buffers);
         } catch (error) {
-            const { status = "internal_error", message: text } = error, trapped = error instanceof WebAssembly.RuntimeError;
+            // Emscripten throws a word where another thread crashed.
+            const { status = "internal_error", message: text = "a thread of the library crashed" } = error;
+            const trapped = error instanceof WebAssembly.RuntimeError || error === "unwind";
             port.postMessage({ call: message.call, error: { status, message: text, trapped } });
         }
     });

@@ -32,10 +32,10 @@ const resolve = {
 const common = { bundle: true, minify: true, format: "esm", target: "es2022", outdir: out, legalComments: "eof", logLevel: "warning",
                  nodePaths: [path.join(npm, "node_modules")], plugins: [resolve], external: ["node:*"] };
 await build({ ...common, entryPoints: [path.join(here, "main.js")], splitting: true });
-await build({ ...common, entryPoints: [path.join(library, "worker.js")] });
+await build({ ...common, entryPoints: ["worker.js", "thread.js"].map((file) => path.join(library, file)), splitting: true });
 
 for (const file of ["index.html", "style.css", "icon.svg"]) fs.copyFileSync(path.join(here, file), path.join(out, file));
-fs.copyFileSync(path.join(library, "brittle_wasm.wasm"), path.join(out, "brittle_wasm.wasm"));
+for (const file of ["brittle_wasm.wasm", "brittle_wasm_threads.wasm"]) fs.copyFileSync(path.join(library, file), path.join(out, file));
 fs.copyFileSync(rapier, path.join(out, "rapier.wasm"));
 for (const file of ["bunny.obj", "horse.3ds", "cat.3ds"]) fs.copyFileSync(path.join(MODELS, file), path.join(out, "models", file));
 
@@ -45,10 +45,10 @@ for (const file of files) hash.update(file).update(fs.readFileSync(path.join(out
 const offline = fs.readFileSync(path.join(here, "offline.js"), "utf8").replace("__VERSION__", `brittle-${hash.digest("hex").slice(0, 16)}`)
     .replace("__FILES__", JSON.stringify(["./", ...files]));
 fs.writeFileSync(path.join(out, "offline.js"), offline);
-let code = 0;
+let code = 0; // a visit loads one of the two modules
 for (const file of [...files, "offline.js"]) {
     const packed = gzipSync(fs.readFileSync(path.join(out, file)), { level: 9 });
     fs.writeFileSync(path.join(out, `${file}.gz`), packed);
-    if (!file.startsWith("models/")) code += packed.length;
+    if (!file.startsWith("models/") && file !== "brittle_wasm_threads.wasm") code += packed.length;
 }
 console.log(`${out}: ${(code / 1e6).toFixed(2)} MB without the models, compressed`);

@@ -21,7 +21,7 @@ const SITES = { of: (x) => Math.round(5 * 400 ** (x / 100)), back: (n) => Math.r
 
 const link = read(location.hash);
 const settings = link.settings;
-const worker = new BrittleWorker();
+const worker = new BrittleWorker({ threads: "auto" });
 let view = null, destruction = null;
 let materials = {};   // what the library knows of them
 let awaited = null;   // the name of a file that the link is for
@@ -421,10 +421,12 @@ async function start() {
         return;
     }
     view.theme = document.documentElement.dataset.theme === "dark";
+    let threads;
     try {
         materials = await worker.materials();
+        threads = await worker.threads();
     } catch (error) {
-        fatal(`The library did not start. It needs WebAssembly with SIMD, and the file brittle_wasm.wasm: ${error.message}`);
+        fatal(`The library did not start. It needs WebAssembly with SIMD, and the files brittle_wasm*.wasm: ${error.message}`);
         return;
     }
     view.colours = colours();
@@ -442,7 +444,7 @@ async function start() {
     }
     else if (link.faults.length > 0) notice(`The link is damaged; left out: ${link.faults.join(", ")}`);
     if (known && destruction.ready) await replay();
-    if (!fixed) navigator.serviceWorker?.register("offline.js").catch(() => {});
+    if (!fixed) navigator.serviceWorker?.register(`offline.js${threads > 1 ? "?threads" : ""}`).catch(() => {});
     document.body.dataset.opened = "true";
 }
 start();

@@ -9,12 +9,12 @@ import { fileURLToPath } from "node:url";
 const here = path.dirname(fileURLToPath(import.meta.url)), root = path.join(here, "../../.."), out = path.join(root, "build/web/compare");
 const require = createRequire(path.join(root, "build/web/package.json"));
 const library = path.join(root, "build/web/brittle-fracture");
-await require("esbuild").build({ entryPoints: [path.join(here, "peers.js"), path.join(library, "worker.js")], outdir: path.join(out, "page"),
+await require("esbuild").build({ entryPoints: [path.join(here, "peers.js"), path.join(library, "worker.js"), path.join(library, "thread.js")], outdir: path.join(out, "page"),
     entryNames: "[name]", bundle: true, format: "esm",
     target: "es2022", nodePaths: [path.join(out, "node_modules")], alias: {
         "brittle-fracture": path.join(library, "brittle.js"), "brittle-fracture/worker": path.join(library, "client.js") }, external: ["node:*"], logLevel: "error" });
 fs.writeFileSync(path.join(out, "page/index.html"), '<!doctype html><title>compare</title><script type="module" src="peers.js"></script>');
-fs.copyFileSync(path.join(library, "brittle_wasm.wasm"), path.join(out, "page/brittle_wasm.wasm"));
+for (const file of ["brittle_wasm.wasm", "brittle_wasm_threads.wasm"]) fs.copyFileSync(path.join(library, file), path.join(out, "page", file));
 fs.copyFileSync("/usr/share/glmark2/models/bunny.obj", path.join(out, "page/bunny.obj"));
 
 const server = spawn("node", [path.join(root, "bindings/web/page/serve.mjs"), path.join(root, "build/web"), path.join(out, "page"), "0"], { stdio: ["ignore", "pipe", "inherit"] });
@@ -44,6 +44,13 @@ try {
     await page.waitForFunction(() => globalThis.pauses);
     const { quiet, busy, pieces } = await page.evaluate(() => globalThis.pauses({ model: "bunny.obj", count: 1000 }));
     console.log(`\nLongest pause of the page while a worker breaks the bunny into ${pieces} pieces: ${busy.toFixed(1)} ms; of an idle page: ${quiet.toFixed(1)} ms`);
+    console.log("\n| bunny, sites | 1 thread, ms | 2 threads | 4 threads |\n|---|---|---|---|");
+    for (const count of [10, 100, 1000, 10000]) {
+        const times = [];
+        for (const threads of [1, 2, 4])
+            times.push(await page.evaluate((given) => globalThis.threaded(given), { model: "bunny.obj", count, threads, runs: count > 5000 ? 5 : 25 }));
+        console.log(`| ${count} | ${times.map((time) => time.toFixed(0)).join(" | ")} |`);
+    }
 } finally {
     await browser.close();
     server.kill();

@@ -143,3 +143,11 @@ globalThis.pauses = async ({ model, count }) => {
     brittle.dispose();
     return { quiet, busy, pieces };
 };
+
+/** The median time of the fracture in a worker with so many threads, ms. */
+globalThis.threaded = async ({ model, count, threads, runs }) => {
+    const brittle = new BrittleWorker({ threads }), mesh = await brittle.load(await (await fetch(model)).arrayBuffer(), ".obj"), times = [];
+    for (let run = 0; run < runs; ++run) times.push((await brittle.fracture(mesh, { sites: count }, { surfaces: false })).milliseconds);
+    brittle.dispose();
+    return times.sort((a, b) => a - b)[Math.floor(runs / 2)];
+};
