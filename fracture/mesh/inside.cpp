@@ -1,6 +1,7 @@
 #include "fracture/mesh/inside.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace brittle::fracture {
@@ -24,11 +25,15 @@ InsideTest::InsideTest(const TriangleMesh& mesh) : mesh_(mesh), box_(bounds(mesh
     bins_ =
         std::clamp(static_cast<uint32_t>(std::sqrt(static_cast<double>(mesh.triangles.size()) / 2.0)), 1u, max_bins);
     begin_.assign(size_t{bins_} * bins_ + 1, 0);
+    // Bins grow with coordinates, so those of its corners bound those of a triangle.
+    std::vector<std::array<uint32_t, 2>> bin_of_vertex;
+    bin_of_vertex.reserve(mesh.positions.size());
+    for (const glm::dvec3& p : mesh.positions) bin_of_vertex.push_back({bin_of(p.y, 1), bin_of(p.z, 2)});
     const auto for_bins = [&](const Triangle& t, const auto& visit) {
-        const glm::dvec3 &a = mesh.positions[t.x], &b = mesh.positions[t.y], &c = mesh.positions[t.z];
-        const uint32_t y1 = bin_of(std::max({a.y, b.y, c.y}), 1), z1 = bin_of(std::max({a.z, b.z, c.z}), 2);
-        for (uint32_t y = bin_of(std::min({a.y, b.y, c.y}), 1); y <= y1; ++y)
-            for (uint32_t z = bin_of(std::min({a.z, b.z, c.z}), 2); z <= z1; ++z) visit(y * bins_ + z);
+        const auto &a = bin_of_vertex[t.x], &b = bin_of_vertex[t.y], &c = bin_of_vertex[t.z];
+        const uint32_t y1 = std::max({a[0], b[0], c[0]}), z1 = std::max({a[1], b[1], c[1]});
+        for (uint32_t y = std::min({a[0], b[0], c[0]}); y <= y1; ++y)
+            for (uint32_t z = std::min({a[1], b[1], c[1]}); z <= z1; ++z) visit(y * bins_ + z);
     };
     for (const Triangle& t : mesh.triangles) for_bins(t, [&](uint32_t bin) { ++begin_[bin + 1]; });
     for (size_t k = 1; k < begin_.size(); ++k) begin_[k] += begin_[k - 1];

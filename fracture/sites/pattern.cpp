@@ -7,6 +7,7 @@
 #include <iterator>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -173,7 +174,9 @@ class Maker {
   public:
     Maker(const Pattern& pattern, const TriangleMesh& mesh, uint32_t count)
         : pattern_(pattern), mesh_(mesh), box_(bounds(mesh)), frame_(frame_of(pattern, box_)), count_(count),
-          random_(pattern.seed), inside_(mesh) {}
+          random_(pattern.seed) {
+        if (pattern.inside) inside_.emplace(mesh);
+    }
 
     PatternSites run() {
         switch (pattern_.kind) {
@@ -209,7 +212,7 @@ class Maker {
             break;
         }
         if (pattern_.grading > 0.0 && pattern_.kind != PatternKind::bricks) grade();
-        if (pattern_.inside) leave_out_outside();
+        if (inside_) leave_out_outside();
         if (pattern_.cells_per_piece > 1 && !result_.sites.empty())
             return divide(result_, box_, pattern_.cells_per_piece, random_);
         return std::move(result_);
@@ -226,7 +229,7 @@ class Maker {
     void draw(const Draw& point) {
         for (uint64_t tries = 0; result_.sites.size() < count_ && tries < max_draws * count_; ++tries) {
             const glm::dvec3 p = point();
-            if (!pattern_.inside || inside_(p)) add(p);
+            if (!inside_ || (*inside_)(p)) add(p);
         }
     }
 
@@ -430,7 +433,7 @@ class Maker {
     void leave_out_outside() {
         PatternSites kept;
         for (size_t k = 0; k < result_.sites.size(); ++k) {
-            if (!inside_(result_.sites[k])) continue;
+            if (!(*inside_)(result_.sites[k])) continue;
             kept.sites.push_back(result_.sites[k]);
             if (!result_.groups.empty()) kept.groups.push_back(result_.groups[k]);
             if (!result_.weights.empty()) kept.weights.push_back(result_.weights[k]);
@@ -444,7 +447,7 @@ class Maker {
     Frame frame_;
     uint32_t count_;
     Random random_;
-    InsideTest inside_;
+    std::optional<InsideTest> inside_; // for pattern_.inside
     PatternSites result_;
 };
 
