@@ -17,7 +17,6 @@
 #include <iterator>
 #include <span>
 #include <string>
-#include <thread>
 #include <type_traits>
 #include <utility>
 
@@ -54,20 +53,6 @@ template<class To, class From>
     return __builtin_bit_cast(To, from);
 }
 #endif
-
-class jthread {
-  public:
-    template<class F>
-    explicit jthread(F&& body) : thread_(std::forward<F>(body)) {}
-    jthread(jthread&&) noexcept = default;
-    jthread& operator=(jthread&&) noexcept = default;
-    ~jthread() {
-        if (thread_.joinable()) thread_.join();
-    }
-
-  private:
-    std::thread thread_;
-};
 
 // The fewest digits that give the number back. Where the standard takes the shorter of 100000 and 1e+05, printf() may take
 // the other: text differs, numbers do not.
