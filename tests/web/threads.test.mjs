@@ -224,7 +224,7 @@ const breakThere = (page, options) => page.evaluate(async (given) => {
         const broken = await worker.fracture(await worker.shape("animal"), { sites: 80 });
         const control = new AbortController();
         let cancelled = "";
-        await worker.fracture(await worker.shape("statue"), { sites: 20000 }, { signal: control.signal, onProgress: () => control.abort() })
+        await worker.fracture(await worker.shape("icosphere:5"), { sites: 20000 }, { signal: control.signal, onProgress: () => control.abort() })
             .catch(({ name }) => cancelled = name);
         return { hash: broken.hash, threads: await worker.threads(), cancelled, after: (await worker.fracture(await worker.shape("animal"), { sites: 80 })).hash };
     } catch ({ status, message }) {
