@@ -196,6 +196,30 @@ test("where a thread cannot start, init() says so, and auto is one thread", asyn
     }
 });
 
+test("a thread that crashes ends the call, and the worker goes on", { timeout: 120_000 }, async () => {
+    const copy = fs.mkdtempSync(path.join(os.tmpdir(), "brittle-")), glue = path.join(copy, "brittle_wasm_threads.mjs");
+    fs.cpSync(PACKAGE, copy, { recursive: true });
+    const growth = "function _emscripten_resize_heap(requestedSize){", text = fs.readFileSync(glue, "utf8");
+    assert.ok(text.includes(growth));
+    fs.writeFileSync(glue, text.replace(growth, `${growth}if(ENVIRONMENT_IS_PTHREAD)throw new WebAssembly.RuntimeError("a trap");`));
+    try {
+        const { BrittleWorker } = await import(path.join(copy, "client.js"));
+        let crashes = 0;
+        for (let k = 0; k < 5 && crashes === 0; ++k) { // memory may happen to grow on the calling thread alone
+            const worker = new BrittleWorker({ threads: 4 }), ball = await worker.shape("icosphere:5");
+            await worker.fracture(ball, { sites: 20000 }).catch((error) => {
+                assert.equal(error.status, "internal_error");
+                ++crashes;
+            });
+            assert.ok((await worker.fracture(ball, { sites: 20 })).length > 10);
+            worker.dispose();
+        }
+        assert.equal(crashes, 1);
+    } finally {
+        fs.rmSync(copy, { recursive: true });
+    }
+});
+
 /** Serves a folder and opens Chromium there. */
 async function inChromium(folder, options, work) {
     const { chromium } = createRequire(path.join(ROOT, "build/web/package.json"))("playwright-core");
