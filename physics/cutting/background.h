@@ -69,7 +69,7 @@ class Background {
         const std::shared_ptr<Job> job = jobs_.at(id);
         work_done_.wait(lock, [&] { return job->done.load(); });
         jobs_.erase(id);
-        if (job->failure) std::rethrow_exception(job->failure);
+        if (job->failure) std::rethrow_exception(std::move(job->failure)); // no worker owns it any more
         return std::move(*job->value);
     }
     // Forgets a job. Its result, finished or not, is destroyed on a worker thread.
