@@ -147,7 +147,7 @@ class Renderer {
 
     // Draws every pass but the UI's once into a tiny target, so that the driver compiles every shader now
     // instead of in the first frame that needs it; with set_materials(), those of materials, too. Call it after
-    // attach(), for the window's format.
+    // attach(), for the window's format. It draws all pieces, too, so call it before many are added.
     [[nodiscard]] Result<void> warm_up();
 
     // Returns the times of the newest frame that the device has finished; in a window, it is one or two frames old.

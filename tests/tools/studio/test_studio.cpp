@@ -321,6 +321,22 @@ TEST_CASE("studio: an idle window is drawn for some frames after input, and slow
     for (int k = 0; k < 100; ++k) CHECK(idleness.draws(true, false));
 }
 
+TEST_CASE(
+    "studio: a window whose frames take long settles after few of them, and shows progress in a fifth of the time") {
+    Idleness idleness;
+    idleness.took(5.0); // s
+    CHECK(idleness.wait() == 0.0);
+    CHECK(idleness.draws(true, false));
+    int drawn = 1;
+    while (idleness.draws(false, false)) REQUIRE(++drawn < 100);
+    CHECK(drawn == Idleness::min_settling);
+    CHECK(idleness.wait() == doctest::Approx(20.0));
+    CHECK(idleness.draws(false, true));
+    CHECK(idleness.wait() == doctest::Approx(20.0));
+    idleness.took(0.01);
+    CHECK(idleness.wait() == Idleness::pause);
+}
+
 TEST_CASE("studio: the newest frame times are kept, and marks move with them") {
     FrameTimes times;
     CHECK(times.median() == 0.0);

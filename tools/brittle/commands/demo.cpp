@@ -30,6 +30,7 @@ int run_demo(const DemoCommand& command) {
         const auto renderer = must(engine::Renderer::create(*device, renderer_settings(command.view)));
         const float scale = command.ui_scale > 0.0 ? static_cast<float>(command.ui_scale) : window->content_scale();
         must(renderer->attach(*window, [scale] { apply_style(scale); }));
+        must(renderer->warm_up()); // before there are pieces, which it would draw
         Session session(options, object, *renderer, choice.classifier.get());
         if (!command.record.empty()) session.files().record(command.record);
         session.recipe_file = command.recipe;

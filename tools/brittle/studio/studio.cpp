@@ -71,7 +71,6 @@ Viewport Studio::viewport() const {
 }
 
 void Studio::run() {
-    must(renderer_.warm_up());
     Clock::time_point last = Clock::now();
     while (!window_.should_close()) {
         throw_if_interrupted();
@@ -107,6 +106,7 @@ void Studio::run() {
         else
             video_.reset(); // cancelled
         const bool drawn = must(renderer_.present(scene, [&] { draw(view); }));
+        idleness_.took(std::chrono::duration<double>(Clock::now() - now).count());
         if (!drawn) std::this_thread::sleep_for(idle); // minimised
         take_panels();
         show_title();

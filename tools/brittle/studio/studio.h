@@ -23,7 +23,7 @@ namespace brittle::tools {
 
 class Studio {
   public:
-    // The renderer must be attached to the window with apply_style(scale). All arguments outlive the studio.
+    // The renderer must be attached to the window with apply_style(scale), and warm. All arguments outlive the studio.
     Studio(engine::Window& window, engine::Device& device, engine::Renderer& renderer, Session& session, float scale);
 
     // Runs until the window closes. Throws a Failure if the device fails.
