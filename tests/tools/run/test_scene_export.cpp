@@ -347,6 +347,28 @@ TEST_CASE("broken scene: what cannot be broken is written whole, with a note, an
     CHECK(pieces == std::map<std::string, int>{{"rug", 1}, {"rock", 1}, {"box", 9}});
 }
 
+TEST_CASE("broken scene: an object whose parts pass through each other is named, and one that is united is not") {
+    const Folder folder;
+    fracture::TriangleMesh mesh = fracture::icosphere(2, 1.0);
+    const size_t vertices = mesh.positions.size(), triangles = mesh.triangles.size();
+    for (size_t v = 0; v < vertices; ++v) mesh.positions.push_back(mesh.positions[v] + glm::dvec3(0.5, 0.1, 0.2));
+    for (size_t t = 0; t < triangles; ++t)
+        mesh.triangles.push_back(mesh.triangles[t] + fracture::Triangle(static_cast<uint32_t>(vertices)));
+    fracture::Model model;
+    model.mesh = mesh;
+    const std::string file = folder / "two.glb";
+    REQUIRE(fracture::export_model(file, model));
+    folder.write("scene.json", R"({"brittle": 2, "objects": [{"name": "two", "mesh": ")" + file + R"("},
+        {"name": "one", "mesh": ")" + file
+                                   + R"(", "unite": true, "translation": [9, 0, 0]}]})");
+    const Outcome made = run_brittle(folder, "fracture " + folder / "scene.json -o " + folder / "x.glb");
+    CAPTURE(made.output);
+    CHECK(made.exit_code == exit_success);
+    CHECK(made.has("object two: its parts pass through each other"));
+    CHECK(made.has(R"("unite": true makes one solid of it)"));
+    CHECK_FALSE(made.has("object one: its parts"));
+}
+
 TEST_CASE("broken scene: each object has the pieces of its mesh alone, at its place, by any number of threads") {
     const Folder folder;
     FractureOptions options;

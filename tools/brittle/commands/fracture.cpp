@@ -33,15 +33,18 @@ constexpr double file_bytes_per_glb_piece = 5'600.0;
 constexpr double max_glb_bytes = 4294967296.0; // a limit of the format
 constexpr double told_bytes = 1e9;             // less is not worth a word
 
-void say_memory(size_t count, const ExportSettings& files) {
+void say_memory(size_t count, const ExportSettings& files, bool of_scene) {
     const auto sites = static_cast<double>(count);
     const bool is_glb = files.stream == "glb" || files.output.ends_with(".glb");
     const double bytes = sites * (bytes_per_site + (is_glb ? bytes_per_glb_piece : 0.0));
     if (bytes < told_bytes) return;
-    tell("%zu sites may take %.1f GB of memory%s", count, bytes / 1e9,
-         !is_glb                                            ? ""
-         : sites * file_bytes_per_glb_piece > max_glb_bytes ? "; the file may exceed the 4 GiB of GLB, choose .ply"
-                                                            : "; .ply takes less");
+    const bool is_too_large = is_glb && sites * file_bytes_per_glb_piece > max_glb_bytes;
+    std::string advice = is_too_large ? "; the file may exceed the 4 GiB of GLB" : "";
+    if (of_scene)
+        advice += "; break fewer objects, or into fewer pieces";
+    else if (is_glb)
+        advice += is_too_large ? ", choose .ply" : "; .ply takes less";
+    tell("%zu sites may take %.1f GB of memory%s", count, bytes / 1e9, advice.c_str());
 }
 
 // Returns the files; none for standard output.
@@ -70,12 +73,6 @@ void report(const FractureCommand& command, const std::string& text, const std::
     if (!command.fracture.save_recipe.empty()) print_report("  recipe     %s\n", command.fracture.save_recipe.c_str());
 }
 
-// Says how much of a mesh its pieces hold twice.
-void tell_overlap(const std::string& name, const FractureOptions& options, const fracture::TriangleMesh& mesh) {
-    if (const std::string overlap = options.unite ? std::string() : overlap_of(mesh); !overlap.empty())
-        tell("%s: %s; --unite makes one solid of it", name.c_str(), overlap.c_str());
-}
-
 void refuse_open_pieces(size_t open, size_t pieces) {
     if (open > 0)
         throw Failure(exit_failure, std::to_string(open) + " of " + std::to_string(pieces)
@@ -95,7 +92,7 @@ void fracture_scene(const FractureCommand& command) {
     if (!command.fracture.save_recipe.empty()) write_recipe(command.fracture.save_recipe, command.fracture);
     size_t sites = 0;
     for (const LoadedObject& object : scene.objects) sites += object.input->sites.size();
-    say_memory(sites, command.files);
+    say_memory(sites, command.files, true);
     const std::vector<BrokenObject> objects = [&] {
         Progress progress("fracturing the scene");
         return break_scene(scene, host, [&](double share) { progress.update(share); });
@@ -111,8 +108,10 @@ void fracture_scene(const FractureCommand& command) {
         write_standard_output(must(file.bytes()));
     }
     report(command, report_text(scene, objects), report_json(scene, objects, recipe_json(command.fracture)), files);
-    for (const LoadedObject& object : scene.objects)
-        if (!object.object.fixed) tell_overlap(object.object.name, object.object.recipe, object.input->model.mesh);
+    for (size_t k = 0; k < objects.size(); ++k)
+        if (!objects[k].overlap.empty())
+            tell("object %s: %s; \"unite\": true makes one solid of it", scene.objects[k].object.name.c_str(),
+                 objects[k].overlap.c_str());
     const SceneCertificate all = certify(objects);
     refuse_open_pieces(all.open_pieces, all.pieces);
 }
@@ -140,7 +139,7 @@ int run_fracture(const FractureCommand& command) {
         choice = choose_classifier(path, *device, input, command.fracture);
         tell("classification on the %s", choice.why.c_str());
     }
-    say_memory(input.sites.size(), command.files);
+    say_memory(input.sites.size(), command.files, false);
     const Broken broken = [&] {
         Progress progress("fracturing " + input.name);
         return break_input(
@@ -151,7 +150,9 @@ int run_fracture(const FractureCommand& command) {
     const std::vector<std::filesystem::path> files = write(command, input, broken);
     report(command, report_text(input, broken), report_json(input, broken, recipe_json(command.fracture)), files);
     print_split_note(command.files, files);
-    tell_overlap(input.name, command.fracture, input.model.mesh);
+    if (const std::string overlap = command.fracture.unite ? std::string() : overlap_of(input.model.mesh);
+        !overlap.empty())
+        tell("%s: %s; --unite makes one solid of it", input.name.c_str(), overlap.c_str());
     refuse_open_pieces(broken.certificate.open_pieces, broken.certificate.pieces);
     return exit_success;
 }

@@ -24,7 +24,8 @@ fracture::Fragments surface_of(const LoadedObject& object) {
 
 BrokenObject broken_object(const LoadedObject& object, uint32_t threads) {
     Broken broken = break_object(object, threads);
-    return {std::move(broken.fragments), broken.certificate, broken.milliseconds};
+    return {std::move(broken.fragments), broken.certificate, broken.milliseconds,
+            object.object.recipe.unite ? std::string() : overlap_of(object.input->model.mesh)};
 }
 
 } // namespace

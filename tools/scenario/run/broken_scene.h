@@ -11,6 +11,7 @@
 #include <functional>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "fracture/io/export.h"
@@ -27,6 +28,7 @@ struct BrokenObject {
     fracture::Fragments fragments{};                    // in the object's coordinates; of a fixed object its surface
     std::optional<fracture::Certificate> certificate{}; // none of a fixed object
     double milliseconds = 0.0;                          // duration of the fracture
+    std::string overlap{};                              // see overlap_of(); empty for a mesh that was united
 };
 
 // Returns a scene whose objects are cut at the start, but for fixed and rigid ones and those that come in pieces, and
